@@ -1,0 +1,48 @@
+#include "line.h"
+#include "../board/board.h"
+
+int line_ask(char line[LINE_MAX])
+{
+    uint32_t start = board_ticks();
+    int length = 0;
+
+    board_text("?\n");
+    while (board_ticks() - start < LINE_WAIT_MS) {
+        int byte = board_read();
+
+        if (byte == '\n' || byte == '\r')
+            break;
+        if (byte >= 0 && length < LINE_MAX - 1)
+            line[length++] = (char)byte;
+    }
+    line[length] = '\0';
+    return length;
+}
+
+/* The text after `key=` where a word of the line starts so, 0 where none does. */
+static const char *value_of(const char *line, const char *key)
+{
+    for (const char *word = line; *word != '\0'; word++) {
+        int i = 0;
+
+        if (word != line && word[-1] != ' ')
+            continue;
+        while (key[i] != '\0' && word[i] == key[i])
+            i++;
+        if (key[i] == '\0' && word[i] == '=')
+            return word + i + 1;
+    }
+    return 0;
+}
+
+uint64_t line_number(const char line[LINE_MAX], const char *key, uint64_t otherwise)
+{
+    const char *digit = value_of(line, key);
+    uint64_t value = 0;
+
+    if (digit == 0 || *digit < '0' || *digit > '9')
+        return otherwise;
+    for (; *digit >= '0' && *digit <= '9'; digit++)
+        value = 10u * value + (uint64_t)(*digit - '0');
+    return value;
+}

@@ -1,0 +1,21 @@
+/* line.h - a few numbers for a program at run time, over the UART: `seed=1 first=0`.
+ *
+ * Bytes sent before a UART is up are lost, so the board asks: it prints a line `?` and waits for one line, ended by LF
+ * or CR. Whoever runs it answers each `?`, with an empty line where there is nothing to say; no answer within the time
+ * means the same. (Under -icount emulated time runs ahead of the host: always answer there.)
+ */
+#ifndef KELLY_LINE_H
+#define KELLY_LINE_H
+
+#include <stdint.h>
+
+#define LINE_MAX 80   /* bytes kept, the final 0 included; the rest of a longer line is dropped */
+#define LINE_WAIT_MS 3000
+
+/* Ask for a line. Returns its length, 0 for an empty one or none. */
+int line_ask(char line[LINE_MAX]);
+
+/* The number after `key=`, decimal, modulo 2^64; `otherwise` where the key is not in the line. */
+uint64_t line_number(const char line[LINE_MAX], const char *key, uint64_t otherwise);
+
+#endif

@@ -1,0 +1,59 @@
+#include "axial.h"
+
+#include "detmath.h"
+
+int kelly_axial_start(kelly_axial *axial, const kelly_table *table, const kelly_case *run, const kelly_draw *draw)
+{
+    if (!kelly_axial_modes_at(table, draw->fc, run->axial, axial->w2, axial->b)) {
+        return 0;
+    }
+    axial->count = run->axial;
+    axial->h = kelly_step_seconds(run);
+    axial->f0 = run->f0;
+    axial->phase_step = kelly_phase_step(draw->w0, run->step_ns);
+    for (unsigned j = 0; j < axial->count; j++) {
+        axial->c[j] = j == 0 ? 0 : table->alpha + table->beta * axial->w2[j];
+        axial->p[j] = 0;
+        axial->v[j] = 0;
+    }
+    return 1;
+}
+
+/* Force f_a [N] at a phase of the top. */
+static real force(const kelly_axial *axial, uint64_t phase)
+{
+    return axial->f0 * (kelly_sin_turn(phase) + R(0.01));
+}
+
+static real acceleration(const kelly_axial *axial, unsigned j, real f, real p, real v)
+{
+    return axial->b[j] * f - axial->c[j] * v - axial->w2[j] * p;
+}
+
+void kelly_axial_step(kelly_axial *axial, uint32_t tick)
+{
+    const uint64_t phase = axial->phase_step * tick;
+    const real h = axial->h, half = R(0.5) * h;
+    const real f1 = force(axial, phase), f2 = force(axial, phase + axial->phase_step / 2), f4 = force(axial, phase + axial->phase_step);
+
+    for (unsigned j = 0; j < axial->count; j++) {
+        const real p = axial->p[j], v = axial->v[j];
+        const real a1 = acceleration(axial, j, f1, p, v), v2 = v + half * a1;
+        const real a2 = acceleration(axial, j, f2, p + half * v, v2), v3 = v + half * a2;
+        const real a3 = acceleration(axial, j, f2, p + half * v2, v3), v4 = v + h * a3;
+        const real a4 = acceleration(axial, j, f4, p + h * v3, v4);
+
+        axial->p[j] = p + h / R(6.0) * ((v + v4) + 2 * (v2 + v3));
+        axial->v[j] = v + h / R(6.0) * ((a1 + a4) + 2 * (a2 + a3));
+    }
+}
+
+real kelly_axial_speed(const kelly_axial *axial)
+{
+    real speed = 0;
+
+    for (unsigned j = 0; j < axial->count; j++) {
+        speed += axial->b[j] * axial->v[j];
+    }
+    return speed;
+}

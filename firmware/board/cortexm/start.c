@@ -1,0 +1,117 @@
+/* start.c - reset, vector table, tick, cycle counter and end of every Cortex-M. */
+#include "core.h"
+
+/* The stack is set again, because a debugger or a boot loader may jump here with its own. The FPU comes on before any C:
+ * the compiler is free to use its registers anywhere. FPSCR needs no care: the first FP instruction after reset copies
+ * FPDSCR, whose reset value is IEEE (round to nearest, denormals kept). */
+__attribute__((naked, section(".start"))) void reset(void)
+{
+    __asm volatile(
+        "ldr r0, =stack_top\n"
+        "msr msp, r0\n"
+#if CORE_V8M
+        "ldr r0, =stack_base\n"
+        "msr msplim, r0\n"
+#endif
+#ifdef __ARM_FP
+        "ldr r0, =0xE000ED88\n"
+        "ldr r1, [r0]\n"
+        "orr r1, r1, #0xF00000\n"
+        "str r1, [r0]\n"
+        "dsb\n"
+        "isb\n"
+#endif
+        "ldr r0, =cortexm_start\n"
+        "bx r0\n"
+        ".ltorg\n");
+}
+
+__attribute__((section(".start"))) _Noreturn void cortexm_start(void)
+{
+    start_memory();
+#if !CORE_V6M
+    SCB_VTOR = (uint32_t)(uintptr_t)vectors;
+#endif
+    board_init();
+    enable_faults();
+    protect_memory();
+    check_fpu();
+    board_exit(main());
+}
+
+__attribute__((weak)) void board_interrupt(void) { unexpected_interrupt(); }
+
+#define WRONG (uintptr_t)unexpected_interrupt
+#define FAULT (uintptr_t)fault_entry
+#define DEVICE (uintptr_t)board_interrupt
+#define DEVICES_8 DEVICE, DEVICE, DEVICE, DEVICE, DEVICE, DEVICE, DEVICE, DEVICE
+
+/* 16 of the core, 48 of devices: 256 bytes, which the MPU then hides, so that a null pointer meets nothing. */
+__attribute__((section(".vectors"), used)) const uintptr_t vectors[64] = {
+    (uintptr_t)stack_top, (uintptr_t)reset,
+    WRONG, FAULT, FAULT, FAULT, FAULT, FAULT,       /* NMI; HardFault, MemManage, BusFault, UsageFault, SecureFault */
+    WRONG, WRONG, WRONG, WRONG, WRONG, WRONG, WRONG, (uintptr_t)tick_interrupt,
+    DEVICES_8, DEVICES_8, DEVICES_8, DEVICES_8, DEVICES_8, DEVICES_8,
+};
+
+static volatile uint32_t ticks;
+static int counts_cycles;
+
+void tick(void) { ticks++; }
+void tick_interrupt(void) { ticks++; }
+uint32_t board_ticks(void) { return ticks; }
+
+void tick_start(uint32_t hz)
+{
+    SYST_RVR = hz / 1000u - 1u;
+    SYST_CVR = 0;
+    SYST_CSR = 7;   /* core clock, interrupt, on */
+}
+
+/* QEMU has no DWT: CYCCNT reads 0 for ever. */
+void cycles_start(void)
+{
+#if !CORE_V6M
+    DEMCR |= 1u << 24;
+    DWT_CYCCNT = 0;
+    DWT_CTRL |= 1;
+    counts_cycles = DWT_CYCCNT != DWT_CYCCNT;   /* two reads of a running counter differ */
+#endif
+}
+
+int board_counts_cycles(void) { return counts_cycles; }
+void board_idle(void) { __asm volatile("wfi" ::: "memory"); }
+
+void board_quiet(int quiet)
+{
+    if (quiet)
+        __asm volatile("cpsid i" ::: "memory");
+    else
+        __asm volatile("cpsie i" ::: "memory");
+}
+
+/* A breakpoint that nobody catches is a fault. Silicon shows an attached debugger in DHCSR; an emulator has no DWT. The
+ * M0 can see neither from inside: there the breakpoint is tried, and fault.c knows its address. */
+static int someone_listens(void)
+{
+#if CORE_V6M
+    return 1;
+#else
+    return (DHCSR & 1u) != 0 || DWT_CTRL == 0;
+#endif
+}
+
+/* SYS_EXIT_EXTENDED with ADP_Stopped_ApplicationExit (Arm semihosting, version 3). */
+_Noreturn void board_exit(int status)
+{
+    const uint32_t block[2] = {0x20026, (uint32_t)status};
+    register uint32_t operation __asm("r0") = 0x20;
+    register const uint32_t *argument __asm("r1") = block;
+
+    if (someone_listens())
+        __asm volatile(".global exit_breakpoint\nexit_breakpoint: bkpt 0xAB"
+                       : "+r"(operation) : "r"(argument) : "memory");
+    board_quiet(1);
+    for (;;)
+        board_idle();
+}

@@ -1,0 +1,75 @@
+/* detmath.h - the few functions kelly needs, with the same bits on every machine.
+ *
+ * Only IEEE + - * / and exactly defined integer steps; no libm. Errors are stated in units in the last place (ulp)
+ * of the result and are tested over the whole range by tests/.
+ */
+#ifndef KELLY_DETMATH_H
+#define KELLY_DETMATH_H
+
+#include "lanes.h"
+
+/* tanh(w) = p / q for any w, with q > 0; 14 operations (double: 22) and a clamp, the division left to the caller.
+ *
+ * tanh(w) = 2 t / (1 + t^2) with t = tanh(w / 2) = a / b, so p = 2 a b and q = a^2 + b^2. A relative error e of t
+ * leaves only e / cosh(w) in tanh(w), and near saturation only e^2 / 2: so t may be a short odd rational
+ * a = w A(w^2), b = B(w^2), and the result cannot pass 1 but by rounding. A and B are the minimax of tanh(w), not
+ * of t (gen/tanh_fit.py); B is monic. Beyond the clamp tanh is 1 to the last digit.
+ *
+ * Relative error of the rational itself 1.73e-7 (double: 5.8e-13).
+ * Size: 2.9e5 <= q / 4 and q <= 7e8 (double: 1.4e16 <= q / 4 and q <= 3e19), |p| <= q.
+ */
+#ifdef KELLY_DOUBLE
+#define KELLY_TANH_END R(14.5)
+#else
+#define KELLY_TANH_END R(8.25)
+#endif
+
+KELLY_INLINE void kelly_tanh_ratio(vreal w, vreal *p, vreal *q)
+{
+    const vreal x = vclamp(w, KELLY_TANH_END);
+    const vreal u = x * x;
+#ifdef KELLY_DOUBLE
+    const vreal a = x * ((((R(0x1.470e826590ba0p-7) * u + R(0x1.7a2a73452034bp+5)) * u + R(0x1.b3eb48ab4fedfp+14)) * u
+                          + R(0x1.ebb3246f4ae4cp+21)) * u + R(0x1.c3bed7d13e3bdp+26));
+    const vreal b = (((u + R(0x1.5ae70be4765d4p+10)) * u + R(0x1.84d92dc9b8a8ep+18)) * u + R(0x1.a816ae51aebe3p+24)) * u
+                    + R(0x1.c3bed7d13f5adp+27);
+#else
+    const vreal a = x * ((R(0x1.edd9d8p-6) * u + R(0x1.d5ab7p+3)) * u + R(0x1.0f4ad2p+9));
+    const vreal b = (u + R(0x1.df2324p+6)) * u + R(0x1.0f4ad2p+10);
+#endif
+    *p = (a + a) * b;
+    *q = a * a + b * b;
+}
+
+/* tanh, odd, |result| <= 1. */
+real kelly_tanh(real w);
+
+/* Sine of a phase in turns: sin(2 pi phase / 2^64); keeps its relative accuracy for small phases. A quarter turn more
+ * is the cosine. */
+real kelly_sin_turn(uint64_t phase);
+
+/* Phase per step [turns / 2^64] of the angular speed w [rad/s], 0 <= w < 2^20, step h [ns]: exact integer arithmetic,
+ * whole turns dropped. Relative error below 2^-49 or 1/2 of a unit, whichever is more. 0 where w is not a positive
+ * normal number. */
+uint64_t kelly_phase_step(real w, uint32_t step_ns);
+
+/* Natural logarithm of x, finite and > 0 (normal numbers), in float, for the samplers. */
+float kelly_log32(float x);
+
+/* sqrt of x >= 0 in float, correctly rounded: the instruction where there is one, integers where not. */
+float kelly_sqrt32(float x);
+
+/* The same from integers alone, on any machine. */
+float kelly_sqrt32_integer(float x);
+
+/* log (of a normal number > 0) and exp of the statistics. exp is 0 below -KELLY_EXP_END and stays at
+ * exp(KELLY_EXP_END) above it. */
+wide kelly_log(wide x);
+wide kelly_exp(wide x);
+#if defined(KELLY_DOUBLE) || __STDC_HOSTED__
+#define KELLY_EXP_END W(708.0)
+#else
+#define KELLY_EXP_END W(87.0)
+#endif
+
+#endif

@@ -1,0 +1,84 @@
+#include "ensemble.h"
+
+#include "severity.h"
+
+/* Draw one realisation and load it if it may be integrated. */
+static void begin(const kelly_table *table, const kelly_case *run, uint64_t seed, uint32_t index, unsigned lane,
+                  kelly_result *result, kelly_work *work)
+{
+    *result = (kelly_result){ .status = KELLY_OK };
+    kelly_draw_sample(run, seed, index, &result->draw);
+    result->liftoff = (uint8_t)kelly_lifts_off(run, &result->draw);
+    result->status = (uint8_t)kelly_realise(table, run, &result->draw, &work->modes);
+    if (result->status == KELLY_OK) {
+        kelly_block_load(&work->block, lane, run, &result->draw, &work->modes);
+    }
+}
+
+/* Twist at the start of the window, kept in `mean` until the end. */
+static void open_window(const kelly_table *table, const kelly_case *run, unsigned lane, kelly_result *result, kelly_work *work)
+{
+    if (result->status == KELLY_OK) {
+        (void)kelly_modes_at(table, result->draw.fc, run->torsional, &work->modes);
+        result->mean = kelly_block_twist(&work->block, lane, &work->modes);
+    }
+}
+
+static void classify(const kelly_table *table, const kelly_case *run, unsigned lane, kelly_result *result, kelly_work *work)
+{
+    const real seconds = kelly_step_seconds(run) * (real)(run->window_last - run->window_first);
+
+    if (result->status != KELLY_OK) {
+        return;
+    }
+    (void)kelly_modes_at(table, result->draw.fc, run->torsional, &work->modes);
+    if (!kelly_block_sane(&work->block, lane)) {
+        result->status = KELLY_NONFINITE;
+        result->mean = 0;
+        return;
+    }
+    kelly_block_extremes(&work->block, lane, &result->lowest, &result->highest);
+    result->mean = result->draw.w0 + (kelly_block_twist(&work->block, lane, &work->modes) - result->mean) / seconds;
+    result->ss = kelly_severity(result->lowest, result->highest);
+    result->stuck = result->ss > run->limit;
+}
+
+/* One block: up to KELLY_LANES realisations together. */
+static void run_block(const kelly_table *table, const kelly_case *run, uint64_t seed, uint32_t first, unsigned count,
+                      kelly_result *results, kelly_work *work)
+{
+    kelly_block_clear(&work->block, table, run, count);
+    for (unsigned l = 0; l < count; l++) {
+        begin(table, run, seed, first + l, l, &results[l], work);
+    }
+    kelly_block_advance(&work->block, run->window_first);
+    kelly_block_watch(&work->block);
+    for (unsigned l = 0; l < count; l++) {
+        open_window(table, run, l, &results[l], work);
+    }
+    kelly_block_advance(&work->block, run->window_last - run->window_first);
+    for (unsigned l = 0; l < count; l++) {
+        classify(table, run, l, &results[l], work);
+    }
+}
+
+void kelly_run(const kelly_table *table, const kelly_case *run, uint64_t seed, uint32_t first, uint32_t count,
+               kelly_result *results, kelly_work *work)
+{
+    for (uint32_t done = 0; done < count;) {
+        const uint32_t left = count - done;
+        const unsigned lanes = left < KELLY_LANES ? (unsigned)left : (unsigned)KELLY_LANES;
+
+        run_block(table, run, seed, first + done, lanes, &results[done], work);
+        done += lanes;
+    }
+}
+
+static void run_any(const kelly_table *table, const kelly_case *run, uint64_t seed, uint32_t first, uint32_t count,
+                    kelly_result *results, void *work)
+{
+    kelly_run(table, run, seed, first, count, results, (kelly_work *)work);
+}
+
+const kelly_engine kelly_engine_here = { .name = KELLY_ISA_NAME, .width = KELLY_WIDTH, .lanes = KELLY_LANES,
+                                         .work_size = sizeof(kelly_work), .run = run_any };

@@ -1,0 +1,36 @@
+/* ensemble.h - draw, integrate, classify a range of indices.
+ *
+ * kelly_run fills results[] for indices first .. first + count - 1: the same bits for any lane count and any way of
+ * cutting the range.
+ */
+#ifndef KELLY_ENSEMBLE_H
+#define KELLY_ENSEMBLE_H
+
+#include "integrator.h"
+#include "tally.h"
+
+/* What one call of kelly_run needs beside its results: the caller's, contents of no meaning between calls. */
+typedef struct {
+    kelly_block block;
+    kelly_modes modes;
+} kelly_work;
+
+/* Realisations first .. first + count - 1 of `seed`; count >= 1, run and table checked by kelly_case_error and
+ * kelly_table_error. Time: 450 count ticks operations. Stack: under 512 bytes. */
+void kelly_run(const kelly_table *table, const kelly_case *run, uint64_t seed, uint32_t first, uint32_t count,
+               kelly_result *results, kelly_work *work);
+
+/* One build of this file, for a program that holds several (see isa.h). `work` of kelly_engine.run is a kelly_work of
+ * that build, work_size bytes at an address that is a multiple of 64. */
+typedef struct {
+    const char *name;            /* vector unit: "scalar", "sse2", "avx2", "avx512" */
+    unsigned width;              /* realisations in a vector */
+    unsigned lanes;              /* realisations in a block */
+    size_t work_size;
+    void (*run)(const kelly_table *table, const kelly_case *run, uint64_t seed, uint32_t first, uint32_t count,
+                kelly_result *results, void *work);
+} kelly_engine;
+
+extern const kelly_engine kelly_engine_here;
+
+#endif

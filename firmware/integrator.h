@@ -1,0 +1,97 @@
+/* integrator.h - classical RK4 of eq. (T), (W), (B), (F), for KELLY_LANES realisations at once, each with its own modes.
+ *
+ *     (T)  q_i'' + (alpha + beta w_i^2) q_i' + w_i^2 q_i = b_i T_bit - d_i alpha w0
+ *     (W)  w_bit = w0 + sum b_i q_i'
+ *     (F)  f_bit = -fc + f0 (sin(w0 t) + 0.01)
+ *
+ * The modes are linear and only the scalar torque is not, so one RK4 step is an affine map of the modes and of the four
+ * stage torques T1..T4, exactly; it is carried out in that form ("form M").
+ *
+ *   Time unit h: w = h^2 w_i^2, al = alpha h, be = beta / h, c = al + be w, g = b_i^2.
+ *   Modal scaling q_i = b_i Q: every mode is driven by T itself and weighs g in the bit speed.
+ *   Drag shift: Q is measured from the drag equilibrium -alpha d_i w0 / (b_i w_i^2), where the constant term vanishes.
+ *   Basis xi = Q' + c Q/h, zeta = Q/h - be xi. Then x' = A x + (1, -be) T with A = [[-w be, -w], [1 - al be, -al]]
+ *   and b, Ab, A^2 b, A^3 b = (1, -be), (0, 1), (-w, -al), (w^2 be + al w, al^2 - (1 - al be) w): polynomials in w whose
+ *   scalars are common to all modes. xi and zeta are stored times 6/h.
+ *   Increments: D = A + A^2/2 + A^3/6 + A^4/24 is stored, never I + D, which would lose all digits of (w_1 h)^2 = 5e-6 in float.
+ *   Outputs X = g (v + be v'), Z = g v' of each mode give all four stage speeds from five sums over the modes.
+ *
+ * Stability of RK4 on the negative real axis needs h lambda <= 2.785, on the imaginary one h w <= 2.8: checked for each
+ * realisation before it starts.
+ *
+ * Memory  sizeof(kelly_block), the caller's; for one float lane 1.1 KB. No other state anywhere.
+ * Time    about 450 operations and 4 divisions a step and lane with 10 modes.
+ * Bits    do not depend on lanes, vectors, or on how a run is cut into calls of kelly_block_advance.
+ */
+#ifndef KELLY_INTEGRATOR_H
+#define KELLY_INTEGRATOR_H
+
+#include "isa.h"
+#include "lanes.h"
+#include "realisation.h"
+
+#define KELLY_RESYNC 2048u       /* ticks between two exact evaluations of sin(w0 t) */
+
+/* Coefficients and state of one mode; loaded in this order. */
+typedef struct {
+    vreal w;
+    vreal d00, d01, d10, d11;
+    vreal m0, m1, m2, m3;
+    vreal xi, zeta;
+} kelly_mode;
+
+/* What one vector of lanes needs beside its modes. */
+typedef struct {
+    vreal w0, a1, a2;
+    vreal muf_mean, muf_swing;   /* mu f = min(muf_mean + muf_swing sin, 0) */
+    vreal sine_k, sine_half;     /* 4 sin^2(w0 h/2), 1 / (2 cos(w0 h/2)) */
+    vreal g1, g2, g3;            /* torque to stage speed: (h/2) sum g, -(h/4) sum g c, (h/4) sum g (c^2 - w) */
+    vreal sine, dsine;           /* sin(w0 t_n) and its step to t_n+1 */
+    vreal muf;                   /* mu f at t_n */
+    vreal y1, y2, y3, y4;        /* stage speeds of the next step without its own torques; y1 is the bit speed now */
+    vreal lowest, highest;       /* of the bit speed since the last kelly_block_watch */
+} kelly_lane;
+
+typedef struct {
+    kelly_lane lane[KELLY_VECTORS];
+    kelly_mode mode[KELLY_VECTORS][KELLY_MODES_MAX];
+    uint64_t phase_step[KELLY_LANES];   /* of w0 t a tick [turns / 2^64] */
+    real h, al, be;
+    unsigned modes;              /* in use */
+    unsigned vectors;            /* in use */
+    unsigned full;               /* nonzero: terms in w^2 are kept (see integrator.c) */
+    uint32_t tick;
+} kelly_block;
+
+/* Prepare a block for `lanes` realisations (1..KELLY_LANES) of this case at tick 0. Every lane idles until it is loaded. */
+void kelly_block_clear(kelly_block *block, const kelly_table *table, const kelly_case *run, unsigned lanes);
+
+/* Put one checked realisation into lane `lane`, at tick 0. */
+void kelly_block_load(kelly_block *block, unsigned lane, const kelly_case *run,
+                      const kelly_draw *draw, const kelly_modes *modes);
+
+/* Advance all lanes by `ticks` steps. */
+void kelly_block_advance(kelly_block *block, uint32_t ticks);
+
+/* Forget the extremes seen so far; the present tick is the first one watched. */
+void kelly_block_watch(kelly_block *block);
+
+/* Bit speed [rad/s] of a lane now, and the extremes since kelly_block_watch, both ends included. */
+real kelly_block_speed(const kelly_block *block, unsigned lane);
+void kelly_block_extremes(const kelly_block *block, unsigned lane, real *lowest, real *highest);
+
+/* Modal displacements q_i [kg^1/2 m] and speeds of a lane, relative to the top's rotation (not to the drag equilibrium). */
+void kelly_block_modal(const kelly_block *block, unsigned lane, const kelly_modes *modes, const kelly_table *table,
+                       real q[KELLY_MODES_MAX], real v[KELLY_MODES_MAX]);
+
+/* Twist of the bit against the drag equilibrium [rad]: sum b_i (q_i - q_i,drag). The mean bit speed between two ticks is w0 plus its
+ * difference over the time, exactly: no sum over the steps is needed. */
+real kelly_block_twist(const kelly_block *block, unsigned lane, const kelly_modes *modes);
+
+/* Whether every state of the lane is a finite number of sane size. */
+int kelly_block_sane(const kelly_block *block, unsigned lane);
+
+/* sin(w0 t) of a lane now. */
+real kelly_block_sine(const kelly_block *block, unsigned lane);
+
+#endif

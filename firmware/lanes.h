@@ -1,0 +1,81 @@
+/* lanes.h - one realisation a lane.
+ *
+ * vreal holds KELLY_WIDTH realisations. With KELLY_WIDTH 1 (every microcontroller, and any compiler without vector
+ * extensions) it is a plain real, and the code reads as scalar C. Lanes never meet: no result depends on the width.
+ * KELLY_VECTORS vectors are advanced together, so that the latency of one torque hides behind the work of the others.
+ *
+ * vmin and vmax are exactly `a < b ? a : b` and `a > b ? a : b` in every lane: b where either is a NaN and where both
+ * are zeros. That is also what MINPS and MAXPS do, which gcc does not see through the masks, hence the intrinsics.
+ */
+#ifndef KELLY_LANES_H
+#define KELLY_LANES_H
+
+#include "real.h"
+
+#ifndef KELLY_WIDTH
+#define KELLY_WIDTH 1
+#endif
+#ifndef KELLY_VECTORS
+#define KELLY_VECTORS 1
+#endif
+#define KELLY_LANES (KELLY_WIDTH * KELLY_VECTORS)
+
+/* Vectors wider than the registers may only go through inlined functions: no calling convention is settled for them. */
+#define KELLY_INLINE static inline __attribute__((always_inline))
+
+#if KELLY_WIDTH == 1
+
+typedef real vreal;
+#define LANE(v, l) ((&(v))[l])          /* l is 0 */
+
+KELLY_INLINE vreal vsplat(real x) { return x; }
+KELLY_INLINE vreal vmin(vreal a, vreal b) { return a < b ? a : b; }
+KELLY_INLINE vreal vmax(vreal a, vreal b) { return a > b ? a : b; }
+
+#else
+
+#pragma GCC diagnostic ignored "-Wpsabi"
+
+#ifdef KELLY_DOUBLE
+#define KELLY_VECTOR_BYTES (KELLY_WIDTH * 8)
+typedef int64_t kelly_word;
+#else
+#define KELLY_VECTOR_BYTES (KELLY_WIDTH * 4)
+typedef int32_t kelly_word;
+#endif
+typedef real vreal __attribute__((vector_size(KELLY_VECTOR_BYTES)));
+typedef kelly_word vmask __attribute__((vector_size(KELLY_VECTOR_BYTES)));
+#define LANE(v, l) ((v)[l])
+
+KELLY_INLINE vreal vsplat(real x) { return x - (vreal){0}; }      /* exact for every x, -0 included */
+
+KELLY_INLINE vreal vselect(vmask m, vreal a, vreal b) { return (vreal)(((vmask)a & m) | ((vmask)b & ~m)); }
+
+#if defined(__SSE2__) && KELLY_VECTOR_BYTES == 16
+#define KELLY_X86(op) _mm_##op
+#elif defined(__AVX__) && KELLY_VECTOR_BYTES == 32
+#define KELLY_X86(op) _mm256_##op
+#elif defined(__AVX512F__) && KELLY_VECTOR_BYTES == 64
+#define KELLY_X86(op) _mm512_##op
+#endif
+
+#ifndef KELLY_X86
+KELLY_INLINE vreal vmin(vreal a, vreal b) { return vselect(a < b, a, b); }
+KELLY_INLINE vreal vmax(vreal a, vreal b) { return vselect(a > b, a, b); }
+#else
+#include <immintrin.h>
+#ifdef KELLY_DOUBLE
+KELLY_INLINE vreal vmin(vreal a, vreal b) { return (vreal)KELLY_X86(min_pd)(a, b); }
+KELLY_INLINE vreal vmax(vreal a, vreal b) { return (vreal)KELLY_X86(max_pd)(a, b); }
+#else
+KELLY_INLINE vreal vmin(vreal a, vreal b) { return (vreal)KELLY_X86(min_ps)(a, b); }
+KELLY_INLINE vreal vmax(vreal a, vreal b) { return (vreal)KELLY_X86(max_ps)(a, b); }
+#endif
+#endif
+
+#endif
+
+/* x held within -limit .. limit. A NaN stays a NaN: the second operand comes through. */
+KELLY_INLINE vreal vclamp(vreal x, real limit) { return vmax(vsplat(-limit), vmin(vsplat(limit), x)); }
+
+#endif

@@ -1,0 +1,39 @@
+/* random.h - streams of random numbers that any machine can recompute alone.
+ *
+ * A stream is keyed by (seed, index, stream): realisation `index` of `seed`, parameter `stream`. Nothing is drawn in
+ * an order that threads or lanes could change. Everything is computed in float, in both precisions of the kernel.
+ *
+ * splitmix64 (Steele, Lea, Flood 2014) makes keys; xoshiro128++ (Blackman, Vigna 2019), an xorshift generator on
+ * 32-bit words, makes words; Marsaglia's polar method makes normals; Marsaglia and Tsang (2000) make gammas.
+ */
+#ifndef KELLY_RANDOM_H
+#define KELLY_RANDOM_H
+
+#include "real.h"
+
+typedef struct {
+    uint32_t s[4];               /* never all zero; not to be touched */
+} kelly_rng;
+
+/* Next word of splitmix64; any state is good. */
+uint64_t kelly_splitmix64(uint64_t *state);
+
+/* Start the stream (seed, index, stream). */
+void kelly_rng_key(kelly_rng *rng, uint64_t seed, uint32_t index, uint32_t stream);
+
+/* Next word of xoshiro128++, period 2^128 - 1. */
+uint32_t kelly_rng_next(kelly_rng *rng);
+
+/* Skip 2^64 words. */
+void kelly_rng_jump(kelly_rng *rng);
+
+/* The uniform of a word: one of (2k + 1) 2^-24, k = 0 .. 2^23 - 1; never 0, never 1, symmetric about 1/2. */
+float kelly_open01(uint32_t word);
+
+/* Standard normal. */
+float kelly_normal(kelly_rng *rng);
+
+/* Gamma law with this mean (> 0) and coefficient of variation cov, 0 < cov <= 0.5 (shape 1/cov^2 >= 4). */
+float kelly_gamma(kelly_rng *rng, float mean, float cov);
+
+#endif

@@ -1,0 +1,123 @@
+#include "realisation.h"
+
+#include "random.h"
+
+#define REAL_AXIS R(2.785)       /* RK4 stability on the negative real axis: 2.78529 */
+#define IMAGINARY_AXIS R(2.8)    /* and on the imaginary axis: 2 sqrt 2 = 2.82843 */
+#define F_OFFSET R(0.01)         /* the constant part of f_a / f0, eq. (F) */
+
+static int positive(real x)
+{
+    return x > 0 && x < R(1e30);   /* false for a NaN */
+}
+
+static int covs_in_range(const kelly_case *run)
+{
+    for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
+        if (!(run->cov[k] >= 0.0f && run->cov[k] <= 0.5f)) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+const char *kelly_case_error(const kelly_table *table, const kelly_case *run)
+{
+    if (!positive(run->fc) || !positive(run->mu) || !positive(run->a1) || !positive(run->a2) || !positive(run->w0)) {
+        return "weight, mu, alpha1, alpha2 and top speed must be positive";
+    }
+    if (!(run->f0 >= 0 && run->f0 < R(1e30))) {
+        return "f0 must not be negative";
+    }
+    if (!covs_in_range(run)) {
+        return "coefficients of variation must lie in 0..0.5";
+    }
+    if (!(run->limit >= 0 && run->limit <= R(10.0))) {
+        return "the severity limit must lie in 0..10";
+    }
+    if (run->step_ns < 1000u || run->step_ns > 1000000000u) {
+        return "the step must lie between 1 us and 1 s";
+    }
+    if (run->ticks == 0 || run->window_first >= run->window_last || run->window_last > run->ticks) {
+        return "the window must be a part of the run";
+    }
+    if (run->torsional < 1 || run->torsional > table->torsional || run->axial < 1 || run->axial > table->axial) {
+        return "the table does not carry so many modes";
+    }
+    return 0;
+}
+
+/* One parameter: its mean where it is not random, rounded to float where it is, as the sampler computes in float. */
+static real sample(const kelly_case *run, uint64_t seed, uint32_t index, unsigned parameter, real mean)
+{
+    kelly_rng rng;
+
+    if (!(run->cov[parameter] > 0.0f)) {
+        return mean;
+    }
+    kelly_rng_key(&rng, seed, index, parameter);
+    return (real)kelly_gamma(&rng, (float)mean, run->cov[parameter]);
+}
+
+void kelly_draw_sample(const kelly_case *run, uint64_t seed, uint32_t index, kelly_draw *draw)
+{
+    draw->fc = sample(run, seed, index, 0, run->fc);
+    draw->mu = sample(run, seed, index, 1, run->mu);
+    draw->a1 = sample(run, seed, index, 2, run->a1);
+    draw->a2 = sample(run, seed, index, 3, run->a2);
+    draw->w0 = sample(run, seed, index, 4, run->w0);
+}
+
+void kelly_draw_nominal(const kelly_case *run, kelly_draw *draw)
+{
+    draw->fc = run->fc;
+    draw->mu = run->mu;
+    draw->a1 = run->a1;
+    draw->a2 = run->a2;
+    draw->w0 = run->w0;
+}
+
+real kelly_step_seconds(const kelly_case *run)
+{
+    return (real)run->step_ns / R(1000000000.0);   /* both exact in float for whole microseconds: one rounding */
+}
+
+/* Fastest rates of a realisation: lambda [1/s] and the square of the highest frequency [rad2/s2]. */
+static void fastest(const kelly_table *table, const kelly_case *run, const kelly_draw *draw, const kelly_modes *modes,
+                    real *lambda, real *w2)
+{
+    real sum_g = 0, top = 0;
+
+    for (unsigned i = 0; i < modes->count; i++) {
+        sum_g = sum_g + modes->b[i] * modes->b[i];
+        top = modes->w2[i] > top ? modes->w2[i] : top;
+    }
+    *lambda = draw->mu * (draw->fc + run->f0) * (R(1.0) + draw->a1) * sum_g + table->beta * top;
+    *w2 = top;
+}
+
+kelly_status kelly_realise(const kelly_table *table, const kelly_case *run, const kelly_draw *draw, kelly_modes *modes)
+{
+    const real h = kelly_step_seconds(run);
+    real lambda, w2;
+
+    if (!kelly_modes_at(table, draw->fc, run->torsional, modes)) {
+        return KELLY_RANGE;
+    }
+    fastest(table, run, draw, modes, &lambda, &w2);
+    return h * lambda <= REAL_AXIS && h * h * w2 <= IMAGINARY_AXIS * IMAGINARY_AXIS ? KELLY_OK : KELLY_STEP;
+}
+
+real kelly_largest_step(const kelly_table *table, const kelly_case *run, const kelly_draw *draw, const kelly_modes *modes)
+{
+    real lambda, w2, h;
+
+    fastest(table, run, draw, modes, &lambda, &w2);
+    h = REAL_AXIS / lambda;
+    return h * h * w2 <= IMAGINARY_AXIS * IMAGINARY_AXIS ? h : IMAGINARY_AXIS * IMAGINARY_AXIS / (w2 * h);
+}
+
+int kelly_lifts_off(const kelly_case *run, const kelly_draw *draw)
+{
+    return draw->fc < (R(1.0) + F_OFFSET) * run->f0;
+}

@@ -1,0 +1,52 @@
+/* realisation.h - one draw of the random parameters, and whether the step can be trusted with it.
+ *
+ * Y1..Y5 = |f_c|, mu, alpha_1, alpha_2, w0: independent gamma laws, mean = nominal value, coefficient of variation
+ * cov[k]; cov 0 means not random. Draw j of seed s depends on (s, j) alone, and is the same in float and in double.
+ */
+#ifndef KELLY_REALISATION_H
+#define KELLY_REALISATION_H
+
+#include "string_model.h"
+
+/* One realisation of the random parameters: positive, SI. */
+typedef struct {
+    real fc;                     /* weight on bit |f_c| [N] */
+    real mu;                     /* bit-rock factor [m] */
+    real a1, a2;                 /* alpha_1 [s/rad], alpha_2 [s2/rad2] */
+    real w0;                     /* top speed [rad/s] */
+} kelly_draw;
+
+/* Whether a realisation can be trusted, and why not. */
+typedef enum {
+    KELLY_OK = 0,
+    KELLY_STEP = 1,              /* the step is too long for its fastest rate: not integrated */
+    KELLY_RANGE = 2,             /* fc outside the fit of the table: not integrated */
+    KELLY_NONFINITE = 3          /* the state left all bounds: integrated, not counted */
+} kelly_status;
+
+#define KELLY_STATUSES 4
+
+/* Reason why this case cannot be run on this table, or 0. */
+const char *kelly_case_error(const kelly_table *table, const kelly_case *run);
+
+/* The parameters of realisation `index` of `seed`. */
+void kelly_draw_sample(const kelly_case *run, uint64_t seed, uint32_t index, kelly_draw *draw);
+
+/* The parameters with nothing random: the means. */
+void kelly_draw_nominal(const kelly_case *run, kelly_draw *draw);
+
+/* The draw's torsional modes and whether it may be integrated: KELLY_OK, KELLY_STEP or KELLY_RANGE (modes untouched).
+ * RK4 is stable on the negative real axis to h lambda = 2.785 and on the imaginary axis to h w = 2.8 (2 sqrt 2);
+ * lambda <= mu |f|max (1 + a1) sum b_i^2 + max beta w_i^2 with |f|max = fc + f0. */
+kelly_status kelly_realise(const kelly_table *table, const kelly_case *run, const kelly_draw *draw, kelly_modes *modes);
+
+/* Largest step [s] that kelly_realise accepts for these modes. */
+real kelly_largest_step(const kelly_table *table, const kelly_case *run, const kelly_draw *draw, const kelly_modes *modes);
+
+/* Whether the weight on bit would change its sign, fc < 1.01 f0: it is held at 0 there, and the realisation is counted. */
+int kelly_lifts_off(const kelly_case *run, const kelly_draw *draw);
+
+/* The step [s] of a case. */
+real kelly_step_seconds(const kelly_case *run);
+
+#endif

@@ -1,0 +1,124 @@
+"""python3 gen WELL.toml [--out DIR] [--print]: well file -> certified C table, or one line that says why not.
+
+Exit 0 written; 1 the result could not be written; 2 the well file or the command line is wrong. Nothing is left
+half-written: both files are complete under other names before either takes its own.
+"""
+import argparse
+import os
+import sys
+
+sys.dont_write_bytecode = True
+
+
+class Parser(argparse.ArgumentParser):
+    """Errors on one line."""
+
+    def error(self, message):
+        sys.exit(_fail(f"kelly gen: {message} (usage: {self.format_usage().split(' ', 1)[1].strip()})"))
+
+
+def _fail(line, code=2):
+    print(line, file=sys.stderr)
+    return code
+
+
+def _arguments(argv):
+    parser = Parser(prog="gen", description="Well file -> certified C table of the drill string.")
+    parser.add_argument("well", metavar="WELL.toml")
+    parser.add_argument("--out", metavar="DIR", help="directory of the two files (default: firmware/tables)",
+                        default=os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "firmware", "tables"))
+    parser.add_argument("--print", action="store_true", dest="show", help="print the certificate")
+    return parser.parse_args(argv)
+
+
+def generate(path):
+    """-> (name, text of NAME.c, text of NAME_shapes.c, lines of the certificate). Raises WellError."""
+    import bars
+    import certify
+    import emit_c
+    import reduce
+    import stability
+    import well as well_
+
+    well = well_.parse(_read(path))
+    chain = bars.build(well)
+    try:
+        reduction = reduce.reduce(well, chain)
+        stable = stability.stability(well, reduction)
+        if not stability.is_safe(well, stable):
+            step = next(text for key, text in well.inputs if key == "run.step_s")
+            raise well_.WellError(_unsafe(stable), ("run", "step_s"), well_.Decimal(step))
+        certificate = certify.certify(well, chain, reduction, stable)
+    except (reduce.ReduceError, certify.CertifyError) as error:
+        raise well_.WellError(str(error)) from None
+    return (well.name, *emit_c.emit(well, chain, reduction, stable, certificate, os.path.basename(path)), certificate)
+
+
+def _unsafe(stable):
+    largest = int(stable.step_max * 1e6) / 1e6          # down to a whole microsecond
+    return (f"expected at most {largest:g} s, the largest step safe for RK4 "
+            f"(rate {stable.rate:.0f} 1/s exceeded with probability 1e-6, largest frequency {stable.fastest:.0f} rad/s)")
+
+
+def _read(path):
+    import well as well_
+    try:
+        with open(path, "rb") as file:
+            return file.read().decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise well_.WellError(f"expected UTF-8 text, byte {error.start} is none") from None
+    except (OSError, ValueError) as error:
+        raise well_.WellError(f"expected a readable file: {getattr(error, 'strerror', None) or error}") from None
+
+
+def _text(path):
+    """The file again, for the line numbers of a message."""
+    try:
+        with open(path, encoding="utf-8") as file:
+            return file.read()
+    except (OSError, ValueError):
+        return ""
+
+
+def write(directory, files):
+    """{name: text} -> directory, all or none."""
+    temporary = {}
+    try:
+        os.makedirs(directory, exist_ok=True)
+        for name, text in files.items():
+            temporary[name] = os.path.join(directory, f".{name}.{os.getpid()}")
+            with open(temporary[name], "w", encoding="ascii", newline="\n") as file:
+                file.write(text)
+        for name in files:
+            os.replace(temporary[name], os.path.join(directory, name))
+    except BaseException:
+        for path in temporary.values():
+            if os.path.exists(path):
+                os.remove(path)
+        raise
+
+
+def main(argv):
+    options = _arguments(argv)
+    try:
+        import numpy  # noqa: F401
+        import tomllib  # noqa: F401
+    except ImportError as error:
+        return _fail(f"kelly gen: {sys.executable} has no {error.name}: expected Python 3.11 or later with numpy "
+                     "(Debian: /usr/bin/python3 and python3-numpy)", 1)
+    import well as well_
+    try:
+        name, table, shapes, certificate = generate(options.well)
+    except well_.WellError as error:
+        return _fail(well_.message(error, options.well, _text(options.well)))
+    try:
+        write(options.out, {f"{name}.c": table, f"{name}_shapes.c": shapes})
+    except OSError as error:
+        return _fail(f"kelly gen: {options.out}: cannot write: {error.strerror}", 1)
+    if options.show:
+        print("\n".join(certificate))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

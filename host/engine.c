@@ -1,0 +1,46 @@
+/* engine.c - which build of the kernel this processor runs. */
+#include <string.h>
+
+#include "host.h"
+
+extern const kelly_engine kelly_engine_scalar;
+#ifdef KELLY_X86
+extern const kelly_engine kelly_engine_sse2, kelly_engine_avx2, kelly_engine_avx512;
+#else
+extern const kelly_engine kelly_engine_vector;
+#endif
+
+unsigned engines_usable(const kelly_engine *list[4])
+{
+    unsigned n = 0;
+
+    list[n++] = &kelly_engine_scalar;
+#ifdef KELLY_X86
+    list[n++] = &kelly_engine_sse2;
+    if (__builtin_cpu_supports("avx2")) {
+        list[n++] = &kelly_engine_avx2;
+    }
+    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl")) {
+        list[n++] = &kelly_engine_avx512;
+    }
+#else
+    list[n++] = &kelly_engine_vector;
+#endif
+    return n;
+}
+
+const kelly_engine *engine_choose(const char *name)
+{
+    const kelly_engine *list[4];
+    const unsigned n = engines_usable(list);
+
+    if (!name) {
+        return list[n - 1];
+    }
+    for (unsigned i = 0; i < n; i++) {
+        if (strcmp(list[i]->name, name) == 0) {
+            return list[i];
+        }
+    }
+    die(EXIT_USAGE, "--engine %s: not in this program or not on this processor; the widest here is %s", name, list[n - 1]->name);
+}

@@ -1,0 +1,92 @@
+/* files.c - messages, and files that appear whole or not at all. */
+#include <errno.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "host.h"
+
+static outfile *open_files[4];   /* removed by die() */
+
+static void forget(const outfile *file)
+{
+    for (unsigned i = 0; i < 4; i++) {
+        if (open_files[i] == file) {
+            open_files[i] = 0;
+        }
+    }
+}
+
+static void remember(outfile *file)
+{
+    for (unsigned i = 0; i < 4; i++) {
+        if (!open_files[i]) {
+            open_files[i] = file;
+            return;
+        }
+    }
+}
+
+_Noreturn void die(int status, const char *format, ...)
+{
+    va_list args;
+
+    va_start(args, format);
+    fputs("kelly: ", stderr);
+    vfprintf(stderr, format, args);
+    fputc('\n', stderr);
+    va_end(args);
+    for (unsigned i = 0; i < 4; i++) {
+        if (open_files[i] && open_files[i]->temporary) {
+            unlink(open_files[i]->temporary);
+        }
+    }
+    exit(status);
+}
+
+void outfile_open(outfile *file, const char *path)
+{
+    int fd;
+
+    *file = (outfile){ 0 };
+    if (strcmp(path, "-") == 0) {
+        file->stream = stdout;
+        return;
+    }
+    file->path = strdup(path);
+    file->temporary = malloc(strlen(path) + 16);
+    if (!file->path || !file->temporary) {
+        die(EXIT_FAILED, "%s: out of memory", path);
+    }
+    sprintf(file->temporary, "%s.XXXXXX", path);
+    fd = mkstemp(file->temporary);
+    if (fd < 0) {
+        die(EXIT_FAILED, "%s: cannot write here: %s", path, strerror(errno));
+    }
+    remember(file);
+    file->stream = fdopen(fd, "w");
+    if (!file->stream) {
+        die(EXIT_FAILED, "%s: cannot write here: %s", path, strerror(errno));
+    }
+    (void)fchmod(fd, 0644);
+}
+
+void outfile_close(outfile *file)
+{
+    const int bad = ferror(file->stream) | fflush(file->stream);
+
+    if (bad) {
+        die(EXIT_FAILED, "%s: could not be written: %s", file->path ? file->path : "stdout", strerror(errno));
+    }
+    if (!file->path) {
+        return;
+    }
+    if (fclose(file->stream) != 0 || rename(file->temporary, file->path) != 0) {
+        die(EXIT_FAILED, "%s: could not be written: %s", file->path, strerror(errno));
+    }
+    forget(file);
+    free(file->path);
+    free(file->temporary);
+}

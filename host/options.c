@@ -1,0 +1,288 @@
+/* options.c - the command line: every value checked, every mistake one line. */
+#include <ctype.h>
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "host.h"
+
+/* Times as they were asked for, until the step is known. */
+typedef struct {
+    double step, duration, window[2];
+    int window_given;
+} times;
+
+double case_seconds(const kelly_case *run, uint32_t ticks)
+{
+    return (double)ticks * (double)run->step_ns / 1e9;
+}
+
+/* A finite number and nothing else; the bounds are part of the message. */
+static double number(const char *option, const char *text, double lo, double hi, const char *right)
+{
+    char *end;
+    double x;
+
+    errno = 0;
+    x = strtod(text, &end);
+    if (end == text || *end != '\0' || !isfinite(x) || isspace((unsigned char)text[0])) {
+        die(EXIT_USAGE, "%s %s: not a number; give %s", option, text, right);
+    }
+    if (!(x >= lo && x <= hi)) {
+        die(EXIT_USAGE, "%s %s: out of range; give %s", option, text, right);
+    }
+    return x;
+}
+
+static uint64_t whole(const char *option, const char *text, uint64_t lo, uint64_t hi, const char *right)
+{
+    char *end;
+    unsigned long long x;
+
+    errno = 0;
+    x = strtoull(text, &end, 10);
+    if (!isdigit((unsigned char)text[0]) || *end != '\0' || errno == ERANGE) {
+        die(EXIT_USAGE, "%s %s: not a whole number; give %s", option, text, right);
+    }
+    if (x < lo || x > hi) {
+        die(EXIT_USAGE, "%s %s: out of range; give %s", option, text, right);
+    }
+    return x;
+}
+
+/* Parameters by the names of the command line, in the order of the laws. */
+static const char *const law_names[KELLY_PARAMETERS] = { "fc", "mu", "a1", "a2", "rpm" };
+
+static unsigned law_index(const char *name, size_t length)
+{
+    for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
+        if (strlen(law_names[k]) == length && strncmp(law_names[k], name, length) == 0) {
+            return k;
+        }
+    }
+    die(EXIT_USAGE, "--cov %s: no such parameter; give --cov 0.2 or some of fc=,mu=,a1=,a2=,rpm=", name);
+}
+
+/* One number for all, or name=number,...: parameters that are not named are not random. */
+static void parse_cov(kelly_case *run, const char *text)
+{
+    static const char right[] = "0..0.5, one number or fc=..,mu=..,a1=..,a2=..,rpm=..";
+    char copy[256], *save = 0;
+
+    if (!strchr(text, '=')) {
+        const float cov = (float)number("--cov", text, 0.0, 0.5, right);
+
+        for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
+            run->cov[k] = cov;
+        }
+        return;
+    }
+    if (strlen(text) >= sizeof(copy)) {
+        die(EXIT_USAGE, "--cov %s: too long; give %s", text, right);
+    }
+    memset(run->cov, 0, sizeof(run->cov));
+    strcpy(copy, text);
+    for (char *part = strtok_r(copy, ",", &save); part; part = strtok_r(0, ",", &save)) {
+        char *equals = strchr(part, '=');
+
+        if (!equals) {
+            die(EXIT_USAGE, "--cov %s: '%s' has no '='; give %s", text, part, right);
+        }
+        run->cov[law_index(part, (size_t)(equals - part))] = (float)number("--cov", equals + 1, 0.0, 0.5, right);
+    }
+}
+
+static void parse_window(times *when, const char *text)
+{
+    static const char right[] = "FROM:TO in seconds within the duration, e.g. 50:100";
+    char copy[128], *colon;
+
+    if (strlen(text) >= sizeof(copy) || !strchr(text, ':')) {
+        die(EXIT_USAGE, "--window %s: not a window; give %s", text, right);
+    }
+    strcpy(copy, text);
+    colon = strchr(copy, ':');
+    *colon = '\0';
+    when->window[0] = number("--window", copy, 0.0, 1e9, right);
+    when->window[1] = number("--window", colon + 1, 0.0, 1e9, right);
+    when->window_given = 1;
+    if (!(when->window[0] < when->window[1])) {
+        die(EXIT_USAGE, "--window %s: ends before it begins; give %s", text, right);
+    }
+}
+
+/* A time as whole steps, or one line of why not. */
+static uint32_t ticks_of(const char *option, double seconds, uint32_t step_ns)
+{
+    const double ticks = seconds * 1e9 / (double)step_ns, nearest = nearbyint(ticks);
+
+    if (fabs(ticks - nearest) > 1e-6 * (1.0 + 1e-6 * nearest)) {
+        die(EXIT_USAGE, "%s %g: not a whole number of steps of %g s; give a multiple of the step", option, seconds, (double)step_ns / 1e9);
+    }
+    if (nearest > 4.0e9) {
+        die(EXIT_USAGE, "%s %g: too long; at most 4e9 steps, which is %g s here", option, seconds, 4.0 * (double)step_ns);
+    }
+    return (uint32_t)nearest;
+}
+
+static uint32_t step_of(double seconds)
+{
+    const double ns = nearbyint(seconds * 1e9);
+
+    if (fabs(seconds * 1e9 - ns) > 1e-6 * ns) {
+        die(EXIT_USAGE, "--step %.12g: not a whole number of nanoseconds; give e.g. 0.001", seconds);
+    }
+    return (uint32_t)ns;
+}
+
+/* Put the asked times onto the grid of the step. */
+static void settle_times(options *out, const times *when)
+{
+    kelly_case *const run = &out->run;
+
+    run->step_ns = step_of(when->step);
+    run->ticks = ticks_of("--duration", when->duration, run->step_ns);
+    if (run->ticks == 0) {
+        die(EXIT_USAGE, "--duration %g: shorter than a step; give seconds > 0, e.g. 100", when->duration);
+    }
+    if (when->window_given) {
+        run->window_first = ticks_of("--window", when->window[0], run->step_ns);
+        run->window_last = ticks_of("--window", when->window[1], run->step_ns);
+    } else {
+        run->window_first = run->ticks / 2;
+        run->window_last = run->ticks;
+    }
+    if (run->window_last > run->ticks) {
+        die(EXIT_USAGE, "--window %g:%g: ends after the duration of %g s; give a window within 0:%g", when->window[0], when->window[1],
+            when->duration, when->duration);
+    }
+    out->out_ticks = ticks_of("--out-step", out->out_step, run->step_ns);
+    if (out->out_ticks == 0) {
+        die(EXIT_USAGE, "--out-step %g: shorter than a step of %g s; give a multiple of the step", out->out_step, when->step);
+    }
+}
+
+static int parse_case(options *out, times *when, const char *name, const char *value)
+{
+    kelly_case *const run = &out->run;
+
+    if (strcmp(name, "--rpm") == 0) {
+        run->w0 = (real)(number(name, value, 1e-3, 1e4, "top speed in rpm, 0.001..10000") * RPM);
+    } else if (strcmp(name, "--wob") == 0) {
+        run->fc = (real)(number(name, value, 1e-3, 1e6, "weight on bit in kN, > 0") * 1000.0);
+    } else if (strcmp(name, "--mu") == 0) {
+        run->mu = (real)number(name, value, 1e-9, 1e3, "a bit-rock factor > 0, e.g. 0.04");
+    } else if (strcmp(name, "--alpha1") == 0) {
+        run->a1 = (real)number(name, value, 1e-9, 1e6, "alpha_1 > 0, e.g. 2");
+    } else if (strcmp(name, "--alpha2") == 0) {
+        run->a2 = (real)number(name, value, 1e-9, 1e6, "alpha_2 > 0, e.g. 1");
+    } else if (strcmp(name, "--f0") == 0) {
+        run->f0 = (real)(number(name, value, 0.0, 1e6, "amplitude of the weight in kN, >= 0") * 1000.0);
+    } else if (strcmp(name, "--limit") == 0) {
+        run->limit = (real)number(name, value, 0.0, 10.0, "a severity in 0..10, e.g. 0.8");
+    } else if (strcmp(name, "--torsional") == 0) {
+        run->torsional = (uint8_t)whole(name, value, 1, kelly_string.torsional, "a number of torsional modes that the table carries, 1..10 or more");
+    } else if (strcmp(name, "--axial") == 0) {
+        run->axial = (uint8_t)whole(name, value, 1, kelly_string.axial, "a number of axial modes that the table carries, the rigid one included, 1..11");
+    } else if (strcmp(name, "--step") == 0) {
+        when->step = number(name, value, 1e-6, 1.0, "the RK4 step in seconds, 1e-6..1, e.g. 0.001");
+    } else if (strcmp(name, "--duration") == 0) {
+        when->duration = number(name, value, 1e-6, 1e9, "seconds > 0, e.g. 100");
+        when->window_given = when->window_given == 1;
+    } else if (strcmp(name, "--window") == 0) {
+        parse_window(when, value);
+    } else if (strcmp(name, "--out-step") == 0) {
+        out->out_step = number(name, value, 1e-6, 1e9, "seconds between output lines, e.g. 0.01");
+    } else if (strcmp(name, "--start") == 0) {
+        if (strcmp(value, "rest") != 0 && strcmp(value, "rotating") != 0) {
+            die(EXIT_USAGE, "--start %s: unknown; give rest or rotating", value);
+        }
+        run->rotating = strcmp(value, "rotating") == 0;
+    } else {
+        return 0;
+    }
+    return 1;
+}
+
+static int parse_random(options *out, const char *name, const char *value, unsigned takes)
+{
+    if (strcmp(name, "--cov") == 0) {
+        parse_cov(&out->run, value);
+    } else if (strcmp(name, "--seed") == 0) {
+        out->seed = whole(name, value, 0, UINT64_MAX, "a whole number 0..18446744073709551615");
+    } else if (takes & TAKES_SIMULATE && strcmp(name, "--sample") == 0) {
+        out->sample = (uint32_t)whole(name, value, 0, UINT32_MAX, "the index of a realisation, 0..4294967295");
+        out->sample_given = 1;
+    } else if (takes & TAKES_SIMULATE && strcmp(name, "--out") == 0) {
+        out->out = value;
+    } else if (takes & TAKES_ENSEMBLE && strcmp(name, "--samples") == 0) {
+        out->samples = (uint32_t)whole(name, value, 1, UINT32_MAX, "a number of realisations, 1..4294967295");
+    } else if (takes & TAKES_ENSEMBLE && strcmp(name, "--first") == 0) {
+        out->first = (uint32_t)whole(name, value, 0, UINT32_MAX, "the first index, 0..4294967295");
+    } else if (takes & TAKES_ENSEMBLE && strcmp(name, "--threads") == 0) {
+        out->threads = (unsigned)whole(name, value, 1, 1024, "a number of threads, 1..1024");
+    } else if (takes & TAKES_ENSEMBLE && strcmp(name, "--csv") == 0) {
+        out->csv = value;
+    } else if (takes & TAKES_ENSEMBLE && strcmp(name, "--engine") == 0) {
+        out->engine = value;
+    } else {
+        return 0;
+    }
+    return 1;
+}
+
+/* One "--name value" or "--name=value"; returns how many arguments it took. */
+static int parse_one(options *out, times *when, int argc, char **argv, unsigned takes, const char *command)
+{
+    char name[32];
+    const char *value = 0, *equals = strchr(argv[0], '=');
+    const size_t length = equals ? (size_t)(equals - argv[0]) : strlen(argv[0]);
+    int known;
+
+    if (strncmp(argv[0], "--", 2) != 0 || length >= sizeof(name)) {
+        die(EXIT_USAGE, "%s: '%s' is not an option; see kelly --help", command, argv[0]);
+    }
+    memcpy(name, argv[0], length);
+    name[length] = '\0';
+    if (takes & TAKES_ENSEMBLE && strcmp(name, "--convergence") == 0 && !equals) {
+        out->convergence = 1;
+        return 1;
+    }
+    value = equals ? equals + 1 : argc > 1 ? argv[1] : "";
+    known = (takes & TAKES_CASE && parse_case(out, when, name, value)) ||
+            (takes & (TAKES_ENSEMBLE | TAKES_SIMULATE) && parse_random(out, name, value, takes));
+    if (!known && takes & TAKES_JSON && strcmp(name, "--json") == 0) {
+        out->json = value;
+        known = 1;
+    }
+    if (!known) {
+        die(EXIT_USAGE, "%s: unknown option %s; see kelly --help", command, name);
+    }
+    if (*value == '\0') {
+        die(EXIT_USAGE, "%s: needs a value; see kelly --help", name);
+    }
+    return equals ? 1 : 2;
+}
+
+void options_parse(options *out, int argc, char **argv, unsigned takes, const char *command)
+{
+    const kelly_case *const nominal = &kelly_string.nominal;
+    times when = { .step = (double)nominal->step_ns / 1e9, .duration = case_seconds(nominal, nominal->ticks),
+                   .window = { case_seconds(nominal, nominal->window_first), case_seconds(nominal, nominal->window_last) },
+                   .window_given = 2 };   /* 2: the well file's, dropped when another duration is asked for */
+    const char *error;
+
+    *out = (options){ .run = *nominal, .out_step = 0.01, .seed = 1, .samples = 400 };
+    for (int i = 0; i < argc;) {
+        i += parse_one(out, &when, argc - i, &argv[i], takes, command);
+    }
+    settle_times(out, &when);
+    if ((uint64_t)out->first + out->samples > (uint64_t)UINT32_MAX + 1) {
+        die(EXIT_USAGE, "--first %u --samples %u: indices end at 4294967295", out->first, out->samples);
+    }
+    error = kelly_case_error(&kelly_string, &out->run);
+    if (error) {
+        die(EXIT_USAGE, "%s: %s", command, error);
+    }
+}

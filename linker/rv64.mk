@@ -1,0 +1,10 @@
+# RV64GC on QEMU's virt machine.
+CROSS := riscv64-unknown-elf-
+ARCH := -march=rv64imafdc -misa-spec=2.2 -mabi=lp64d -mcmodel=medany -msmall-data-limit=0 -fsanitize=integer-divide-by-zero -fsanitize-undefined-trap-on-error
+FAMILY := riscv
+BOARD := virt
+FLOAT := hard
+DOUBLE := hard
+QEMU := qemu-system-riscv64 -M virt -bios none
+COUNT_HZ := 1000000000
+ICOUNT_SHIFT := 0
