@@ -101,7 +101,7 @@ real kelly_sin_turn(uint64_t phase)
 }
 
 /* w = m 2^e with 2^63 <= m < 2^64; m = 0 where w is not a positive normal number. */
-static uint64_t significand(real w, int *e)
+static uint64_t digits_of(real w, int *e)
 {
 #ifdef KELLY_DOUBLE
     const uint64_t bits = (bits64){.value = w}.bits;
@@ -121,7 +121,7 @@ static uint64_t significand(real w, int *e)
 uint64_t kelly_phase_step(real w, uint32_t step_ns)
 {
     int e;
-    const uint64_t m = significand(w, &e);
+    const uint64_t m = digits_of(w, &e);
     const uint64_t low = step_ns * UINT64_C(0x48313b7d);
     const uint64_t high = step_ns * UINT64_C(0xaefe2247) + (low >> 32);
     if (m == 0 || high == 0) return 0;

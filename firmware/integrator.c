@@ -14,7 +14,7 @@
 #if defined(__clang__)
 #define UNROLL _Pragma("unroll")
 #elif defined(__GNUC__)
-#define UNROLL _Pragma("GCC unroll 8")
+#define UNROLL _Pragma("GCC unroll 16")
 #else
 #define UNROLL
 #endif
@@ -23,6 +23,11 @@
 typedef struct {
     vreal x, z, wx, wz, wwx;
 } sums;
+
+/* Second to fourth stage torque of a step, and mu f at half of it. */
+typedef struct {
+    vreal half, t2, t3, t4;
+} stages;
 
 /* The torques of one step as the modes need them: xi gains s0 + w (e1 + w e2), zeta gains e4 + w e3. */
 typedef struct {
@@ -66,58 +71,91 @@ KELLY_INLINE void stage_speeds(kelly_lane *lane, const sums *sum, real al, real 
     lane->y4 = (lane->y1 + sum->z) + (R(0.25) * (full ? third + be * sum->wwx : third) - R(0.5) * n);
 }
 
-/* The four torques of a step, each at its stage speed and time; leaves the weight and the sine at the next tick. */
-KELLY_INLINE void torques(kelly_lane *lane, inputs *in, real al, real be)
+KELLY_INLINE inputs inputs_of(vreal t1, vreal t2, vreal t3, vreal t4, real al, real be)
 {
-    const vreal next = lane->sine + lane->dsine;
-    const vreal muf_half = vmin(lane->muf_mean + lane->muf_swing * ((lane->sine + next) * lane->sine_half), vsplat(0));
-    const vreal muf_next = vmin(lane->muf_mean + lane->muf_swing * next, vsplat(0));
-    const vreal t1 = kelly_bit_torque(lane->y1, lane->muf, lane->a1, lane->a2);
-    const vreal t2 = kelly_bit_torque(lane->y2 + lane->g1 * t1, muf_half, lane->a1, lane->a2);
-    const vreal t3 = kelly_bit_torque((lane->y3 + lane->g2 * t1) + lane->g1 * t2, muf_half, lane->a1, lane->a2);
-    const vreal t4 = kelly_bit_torque(((lane->y4 + lane->g3 * t1) + (lane->g2 + lane->g2) * t2) + (lane->g1 + lane->g1) * t3,
-                                      muf_next, lane->a1, lane->a2);
-    const vreal half12 = R(0.5) * (t1 + t2), t23 = t2 + t3, quarter = R(0.25) * t1;
+    const vreal t23 = t2 + t3, quarter = R(0.25) * t1;
+    inputs in;
 
-    in->s0 = (t1 + t4) + (t23 + t23);
-    in->e1 = al * quarter - half12;
-    in->e2 = be * quarter;
-    in->e3 = (al * be - R(1.0)) * quarter;
-    in->e4 = ((t1 + t23) - be * in->s0) + al * (al * quarter - half12);
-    lane->dsine = lane->dsine - lane->sine_k * next;
-    lane->sine = next;
-    lane->muf = muf_next;
+    in.s0 = (t1 + t4) + (t23 + t23);
+    in.e1 = al * quarter - R(0.5) * (t1 + t2);
+    in.e2 = be * quarter;
+    in.e3 = (al * be - R(1.0)) * quarter;
+    in.e4 = ((t1 + t23) - be * in.s0) + al * in.e1;
+    return in;
 }
 
-/* Advance `vectors` vectors, a compile-time constant, by `ticks` steps, without looking at the exact phase. */
+/* Torque at the present tick: the first stage of the step to come. */
+KELLY_INLINE void first_torque(kelly_lane *on)
+{
+    on->t1 = kelly_bit_torque(on->y1, on->muf, on->a1, on->a2);
+}
+
+/* Second stage, at half a step; takes the weight and the sine to the next tick. */
+KELLY_INLINE void second_torque(kelly_lane *on, stages *at)
+{
+    const vreal sine = on->sine + on->dsine;
+
+    at->half = vmin(on->muf_mean + on->muf_swing * ((on->sine + sine) * on->sine_half), vsplat(0));
+    on->muf = vmin(on->muf_mean + on->muf_swing * sine, vsplat(0));
+    on->dsine = on->dsine - on->sine_k * sine;
+    on->sine = sine;
+    at->t2 = kelly_bit_torque(on->y2 + on->g1 * on->t1, at->half, on->a1, on->a2);
+}
+
+KELLY_INLINE void third_torque(const kelly_lane *on, stages *at)
+{
+    at->t3 = kelly_bit_torque((on->y3 + on->g2 * on->t1) + on->g1 * at->t2, at->half, on->a1, on->a2);
+}
+
+KELLY_INLINE void fourth_torque(const kelly_lane *on, stages *at)
+{
+    const vreal y = (on->y4 + on->g3 * on->t1) + (on->g2 + on->g2) * at->t2;
+
+    at->t4 = kelly_bit_torque(y + (on->g1 + on->g1) * at->t3, on->muf, on->a1, on->a2);
+}
+
+/* The modes under the four torques, and the stage speeds and first torque of the next step. */
+KELLY_INLINE void finish(kelly_lane *on, kelly_mode *mode, unsigned modes, const stages *at, real al, real be, int full)
+{
+    const inputs in = inputs_of(on->t1, at->t2, at->t3, at->t4, al, be);
+    sums sum = { .x = vsplat(0) };
+
+    for (unsigned i = 0; i < modes; i++) {
+        move(&mode[i], &in, full);
+        add_outputs(&sum, &mode[i], full);
+    }
+    stage_speeds(on, &sum, al, be, full);
+    on->lowest = vmin(on->y1, on->lowest);
+    on->highest = vmax(on->y1, on->highest);
+    first_torque(on);
+}
+
+/* Advance `vectors` vectors, a compile-time constant, by `ticks` steps, without looking at the exact phase.
+ * One torque is a chain of some 60 cycles: stage by stage over all vectors, so that chains stand side by side in the
+ * instruction stream and hide each other. */
 KELLY_INLINE void steps(kelly_block *block, uint32_t ticks, const unsigned vectors, const int full)
 {
     const unsigned modes = block->modes;
     const real al = block->al, be = block->be;
 
     for (; ticks > 0; ticks--) {
-        inputs in[KELLY_VECTORS];
-        sums sum[KELLY_VECTORS];
+        stages at[KELLY_VECTORS];
 
         UNROLL
         for (unsigned v = 0; v < vectors; v++) {
-            torques(&block->lane[v], &in[v], al, be);
+            second_torque(&block->lane[v], &at[v]);
         }
         UNROLL
         for (unsigned v = 0; v < vectors; v++) {
-            sum[v] = (sums){ .x = vsplat(0) };
-            for (unsigned i = 0; i < modes; i++) {
-                move(&block->mode[v][i], &in[v], full);
-                add_outputs(&sum[v], &block->mode[v][i], full);
-            }
+            third_torque(&block->lane[v], &at[v]);
         }
         UNROLL
         for (unsigned v = 0; v < vectors; v++) {
-            kelly_lane *lane = &block->lane[v];
-
-            stage_speeds(lane, &sum[v], al, be, full);
-            lane->lowest = vmin(lane->y1, lane->lowest);
-            lane->highest = vmax(lane->y1, lane->highest);
+            fourth_torque(&block->lane[v], &at[v]);
+        }
+        UNROLL
+        for (unsigned v = 0; v < vectors; v++) {
+            finish(&block->lane[v], block->mode[v], modes, &at[v], al, be, full);
         }
     }
 }
@@ -168,6 +206,7 @@ static void resync(kelly_block *block, unsigned lane)
     LANE(out->sine, l) = sine;
     LANE(out->dsine, l) = 2 * kelly_sin_turn(phase + step / 2 + QUARTER_TURN) * kelly_sin_turn(step / 2);
     LANE(out->muf, l) = muf < 0 ? muf : 0;
+    first_torque(out);
 }
 
 void kelly_block_advance(kelly_block *block, uint32_t ticks)

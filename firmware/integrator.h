@@ -48,6 +48,7 @@ typedef struct {
     vreal g1, g2, g3;            /* torque to stage speed: (h/2) sum g, -(h/4) sum g c, (h/4) sum g (c^2 - w) */
     vreal sine, dsine;           /* sin(w0 t_n) and its step to t_n+1 */
     vreal muf;                   /* mu f at t_n */
+    vreal t1;                    /* bit torque at t_n */
     vreal y1, y2, y3, y4;        /* stage speeds of the next step without its own torques; y1 is the bit speed now */
     vreal lowest, highest;       /* of the bit speed since the last kelly_block_watch */
 } kelly_lane;

@@ -1,4 +1,6 @@
-"""python3 gen WELL.toml [--out DIR] [--print]: well file -> certified C table, or one line that says why not.
+"""python3 gen WELL.toml [--out DIR] [--as NAME] [--print]
+
+Well file -> certified C table, or one line that says why not.
 
 Exit 0 written; 1 the result could not be written; 2 the well file or the command line is wrong. Nothing is left
 half-written: both files are complete under other names before either takes its own.
@@ -23,16 +25,22 @@ def _fail(line, code=2):
 
 
 def _arguments(argv):
+    root = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
     parser = Parser(prog="gen", description="Well file -> certified C table of the drill string.")
     parser.add_argument("well", metavar="WELL.toml")
     parser.add_argument("--out", metavar="DIR", help="directory of the two files (default: firmware/tables)",
-                        default=os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "firmware", "tables"))
+                        default=os.path.join(root, "firmware", "tables"))
+    parser.add_argument("--as", metavar="NAME", dest="base",
+                        help="call the files NAME.c and NAME_shapes.c (default: by the key `name` of the well file)")
     parser.add_argument("--print", action="store_true", dest="show", help="print the certificate")
-    return parser.parse_args(argv)
+    options = parser.parse_args(argv)
+    if options.base is not None and (not options.base or os.path.basename(options.base) != options.base):
+        parser.error(f"--as {options.base}: expected the name of a file, without a directory")
+    return options
 
 
-def generate(path):
-    """-> (name, text of NAME.c, text of NAME_shapes.c, lines of the certificate). Raises WellError."""
+def generate(path, base=None):
+    """-> ({file name: text}, lines of the certificate). Raises WellError."""
     import bars
     import certify
     import emit_c
@@ -51,13 +59,18 @@ def generate(path):
         certificate = certify.certify(well, chain, reduction, stable)
     except (reduce.ReduceError, certify.CertifyError) as error:
         raise well_.WellError(str(error)) from None
-    return (well.name, *emit_c.emit(well, chain, reduction, stable, certificate, os.path.basename(path)), certificate)
+    base = base or well.name
+    table, shapes = emit_c.emit(well, chain, reduction, stable, certificate, os.path.basename(path))
+    return {f"{base}.c": table, f"{base}_shapes.c": shapes}, certificate
 
 
 def _unsafe(stable):
+    """What to tell the owner of a step that is too large."""
     largest = int(stable.step_max * 1e6) / 1e6          # down to a whole microsecond
-    return (f"expected at most {largest:g} s, the largest step safe for RK4 "
-            f"(rate {stable.rate:.0f} 1/s exceeded with probability 1e-6, largest frequency {stable.fastest:.0f} rad/s)")
+    if largest == 0.0:
+        return f"no step of 1 us or more is safe for RK4: the fastest rate is {stable.rate:.3g} 1/s"
+    return (f"expected at most {largest:g} s, the largest step safe for RK4 (fastest rate {stable.rate:.0f} 1/s, "
+            f"exceeded with probability 1e-6; largest frequency {stable.fastest:.0f} rad/s)")
 
 
 def _read(path):
@@ -108,11 +121,11 @@ def main(argv):
                      "(Debian: /usr/bin/python3 and python3-numpy)", 1)
     import well as well_
     try:
-        name, table, shapes, certificate = generate(options.well)
+        files, certificate = generate(options.well, options.base)
     except well_.WellError as error:
         return _fail(well_.message(error, options.well, _text(options.well)))
     try:
-        write(options.out, {f"{name}.c": table, f"{name}_shapes.c": shapes})
+        write(options.out, files)
     except OSError as error:
         return _fail(f"kelly gen: {options.out}: cannot write: {error.strerror}", 1)
     if options.show:

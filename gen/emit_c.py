@@ -4,8 +4,7 @@ Literals are hexadecimal, so the compiler rounds each of them once, to float or 
 """
 import struct
 
-import reduce as reduce_
-
+SCHEMA = 1          # KELLY_SCHEMA of string_model.h
 COVS = ("fc", "mu", "a1", "a2", "w0")
 
 
@@ -17,7 +16,7 @@ def emit(well, bars, reduction, stable, certificate, source):
     counts = _counts(well, reduction)
     identity = f"{well.name}-{_crc32c(_bytes(counts, scalars, arrays, shapes)):08x}"
     table = (_banner(well, source, certificate) + _guards(well, stable)
-             + "".join(_array(*item, reduction) for item in arrays) + _table(identity, counts, scalars))
+             + "".join(_array(*item) for item in arrays) + _table(identity, counts, scalars))
     return table, _shapes_banner(well, source) + _shapes(identity, bars, shapes, reduction)
 
 
@@ -27,13 +26,15 @@ def _counts(well, reduction):
     return {
         "torsional": reduction.free_w2.shape[0], "axial": reduction.axial_free_w2.shape[0], "degree": reduction.degree,
         "nodes": reduction.nodes, "step_ns": well.step_ns, "ticks": well.ticks, "window_first": well.window_first,
-        "window_last": well.window_last, "run_torsional": well.torsional, "run_axial": well.axial, "rotating": int(well.rotating),
+        "window_last": well.window_last, "run_torsional": well.torsional, "run_axial": well.axial,
+        "rotating": int(well.rotating),
     }
 
 
 def _scalars(well, bars, reduction):
     return {
-        "fc_min": reduction.fc_min, "fc_max": reduction.fc_max, "fc_mid": reduction.fc_mid, "fc_scale": reduction.fc_scale,
+        "fc_min": reduction.fc_min, "fc_max": reduction.fc_max,
+        "fc_mid": reduction.fc_mid, "fc_scale": reduction.fc_scale,
         "alpha": well.alpha, "beta": well.beta, "inertia": bars.inertia,
         "fc": well.fc, "mu": well.mu, "a1": well.a1, "a2": well.a2, "w0": well.w0, "f0": well.f0, "limit": well.limit,
         **{"cov_" + name: value for name, value in zip(COVS, well.cov)},
@@ -98,8 +99,9 @@ def _real(value):
 
 
 def _banner(well, source, certificate):
-    lines = [f'{well.name}.c - the drill string "{well.name}". GENERATED, do not edit.', "",
-             f"Generator  gen/ (schema {1})", f"Command    python3 gen {source}", "", "Inputs, as the file has them"]
+    lines = [f'The drill string "{well.name}" as a table. GENERATED, do not edit.', "",
+             f"Generator  gen/ (schema {SCHEMA})", f"Command    python3 gen {source}", "",
+             "Inputs, as the file has them"]
     lines += [f"  {key} = {text}" for key, text in well.inputs]
     lines += ["", "Certificate, proved before this file was written"]
     lines += ["  " + line for line in certificate]
@@ -110,10 +112,10 @@ def _comment(lines):
     return "/* " + "\n".join([lines[0]] + [(" * " + line).rstrip() for line in lines[1:]]) + "\n */\n"
 
 
-SCHEMA_CHECK = """#include "../string_model.h"
+SCHEMA_CHECK = f"""#include "../string_model.h"
 
-#if KELLY_SCHEMA != 1u
-#error "this table was generated for schema 1: run `make tables`"
+#if KELLY_SCHEMA != {SCHEMA}u
+#error "this table was generated for schema {SCHEMA}: run `make tables`"
 #endif
 
 """
@@ -134,7 +136,7 @@ _Static_assert((uint64_t)STEP_NS * FASTEST_MRAD <= 2800000000000u, "unsafe step:
 """
 
 
-def _array(name, comment, rows, reduction):
+def _array(name, comment, rows):
     single = len(rows[0]) == 1
     text = f"/* {comment} */\nstatic const real {name}[] = {{\n"
     for i, row in enumerate(rows):
@@ -158,9 +160,9 @@ def _table(identity, counts, scalars):
                     ("w2", "b", "d", "axial_w2", "axial_b", "free_w2", "axial_free_w2"))
     text += "    .nominal = {\n" + "".join(_field(name, scalars[name], " " * 8) for name in
                                            ("fc", "mu", "a1", "a2", "w0", "f0", "limit"))
-    covs = ", ".join(_hex(scalars["cov_" + name]) + "f" for name in COVS)
+    covs = ",\n                 ".join(_hex(scalars["cov_" + name]) + "f" for name in COVS)
     plain = ", ".join(repr(scalars["cov_" + name]) for name in COVS)
-    text += f"        .cov = {{ {covs} }}, /* {', '.join(COVS)}: {plain} */\n"
+    text += f"        /* {', '.join(COVS)}: {plain} */\n        .cov = {{ {covs} }},\n"
     text += "        .step_ns = STEP_NS,\n        .ticks = TICKS,\n"
     text += "".join(f"        .{name} = {counts[name]}u,\n" for name in ("window_first", "window_last"))
     text += f"        .torsional = {counts['run_torsional']},\n        .axial = {counts['run_axial']},\n"
@@ -168,9 +170,9 @@ def _table(identity, counts, scalars):
 
 
 def _shapes_banner(well, source):
-    return _comment([f'{well.name}_shapes.c - mode shapes at the nodes of the drill string "{well.name}". GENERATED, do not edit.',
-                     "", "Generator  gen/ (schema 1)", f"Command    python3 gen {source}", "",
-                     f"Inputs and certificate: {well.name}.c."]) + SCHEMA_CHECK
+    return _comment([f'Mode shapes of the drill string "{well.name}" at the nodes. GENERATED, do not edit.', "",
+                     f"Generator  gen/ (schema {SCHEMA})", f"Command    python3 gen {source}", "",
+                     "Inputs and certificate: in the table of the same id."]) + SCHEMA_CHECK
 
 
 def _shapes(identity, bars, shapes, reduction):

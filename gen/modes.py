@@ -45,12 +45,10 @@ def axial(bars, fc, count):
                  np.concatenate([rigid, elastic.shape], axis=2))
 
 
-def uniform_response(bars, shape):
-    """d_i = phi_i' M 1 of torsional shapes [node, fc, mode], the coupling to the top node included."""
-    d = np.zeros(shape.shape[1:])
-    for e, m in enumerate(bars.torsion_m.tolist()):
-        d = d + 3.0 * m * (shape[e] + shape[e + 1])
-    return d
+def uniform_response(bars, fc, modes):
+    """d_i = phi_i' M 1, the coupling to the top node included. Summing the free rows of (K + Kg) phi = w2 M phi leaves the
+    reaction at the top: d = phi_1 (k_1 / w2 + m_1), with all digits even where the sum over the nodes nearly cancels."""
+    return modes.shape[1] * (bars_.torsion_k(bars, fc)[0][:, None] / modes.w2 + bars.torsion_m[0])
 
 
 def solve(k, m, count, fixed_top):

@@ -12,7 +12,7 @@ import modes as modes_
 from well import FC_MIN, MODES_MAX
 
 FIT_LIMIT = 1e-9
-POINTS = 34                    # where the fit is compared, both ends included; even, so that the middle is not among them
+POINTS = 34                    # where the fit is compared, both ends included; even: the middle is a Chebyshev node
 # cos((2 k + 1) pi / (2 n)) >= 0 for n = degree + 1 nodes: literals, since cos() differs between machines
 CHEBYSHEV = {
     3: (0.9238795325112867, 0.3826834323650898),
@@ -57,7 +57,7 @@ def reduce(well, bars):
             reasons.append(f"no positive stiffness up to {fc_max / 1000.0:g} kN")
             continue
         at_points = _modes(bars, points, count)
-        want = quantities(bars, *at_points)
+        want = quantities(bars, points, *at_points)
         for degree in CHEBYSHEV:
             fit = _fit(bars, degree, fc_mid, fc_scale, count)
             error = _errors(fit, want, (points - fc_mid) * fc_scale)
@@ -70,12 +70,12 @@ def reduce(well, bars):
     raise ReduceError("no fit over the weight on bit below 1e-9: " + "; ".join(reasons))
 
 
-def quantities(bars, torsion, axial):
+def quantities(bars, fc, torsion, axial):
     """Everything that is fitted, first axis f_c."""
     return {
-        "w2": torsion.w2, "b": torsion.b, "d": modes_.uniform_response(bars, torsion.shape),
+        "w2": torsion.w2, "b": torsion.b, "d": modes_.uniform_response(bars, fc, torsion),
         "axial_w2": axial.w2, "axial_b": axial.b,
-        "twist": np.moveaxis(torsion.shape, (0, 1, 2), (2, 0, 1)), "axial": np.moveaxis(axial.shape, (0, 1, 2), (2, 0, 1)),
+        "twist": torsion.shape.transpose(1, 2, 0), "axial": axial.shape.transpose(1, 2, 0),
         "twist_gram": _gram(torsion.shape), "axial_gram": _gram(axial.shape),
     }
 
@@ -112,7 +112,7 @@ def _fit(bars, degree, fc_mid, fc_scale, count):
     x = [-c for c in half] + [c for c in reversed(half) if c != 0.0]
     fc = np.array([fc_mid + c / fc_scale for c in x])
     s = ((fc - fc_mid) * fc_scale).tolist()
-    return {name: _interpolate(s, value) for name, value in quantities(bars, *_modes(bars, fc, count)).items()}
+    return {name: _interpolate(s, value) for name, value in quantities(bars, fc, *_modes(bars, fc, count)).items()}
 
 
 def _interpolate(s, value):

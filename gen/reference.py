@@ -1,9 +1,10 @@
-"""A second opinion on the whole chain, for test vectors: dense matrices, LAPACK's eigenvectors at the very weight of the
-case (no fit), textbook RK4 in double, libm's tanh and sine. Written from the equations of the README, shares nothing with
-the rest of gen/ but the well file's reader.
+"""A second opinion on the whole chain, for test vectors: dense matrices, LAPACK's eigenvectors at the very weight of
+the case (no fit), textbook RK4 in double, libm's tanh and sine. Written from equations (T) (W) (B) (F) (A) (S); shares
+nothing with the rest of gen/ but the well file's reader.
 
-    python3 gen/reference.py WELL.toml [--case fc=..,mu=..,a1=..,a2=..,w0=..,f0=..,rotating=0|1,torsional=..,axial=..]...
-                             [--step 0.0005] [--out-step 5] [--duration 50] [--out FILE]
+    python3 gen/reference.py WELL.toml [--case fc=..,mu=..,...]... [--step S] [--out-step S] [--duration S] [--out FILE]
+
+A case names what differs from the well file: fc, mu, a1, a2, w0, f0 in SI, rotating (0 or 1), torsional, axial.
 """
 import argparse
 import os
@@ -67,8 +68,8 @@ def modes(well, fc):
     wave2 = well.youngs / well.density / sum(s.length for s in well.sections)**2
     axial_w2, axial_phi = eigen(ka, ma, 10.0 * wave2)
     axial_w2[0] = 0.0
-    return {"w2": w2, "b": phi[-1], "d": phi.T @ mt[1:] @ np.ones(len(mt)), "axial_w2": axial_w2, "axial_b": axial_phi[-1],
-            "inertia": mt.sum(), "mass": ma.sum()}
+    return {"w2": w2, "b": phi[-1], "d": phi.T @ mt[1:] @ np.ones(len(mt)),
+            "axial_w2": axial_w2, "axial_b": axial_phi[-1], "inertia": mt.sum(), "mass": ma.sum()}
 
 
 # ---- equations of motion, several cases side by side

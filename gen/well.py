@@ -279,15 +279,16 @@ def _run(table, inputs):
     window = table["window_s"]
     if not isinstance(window, list) or len(window) != 2:
         raise WellError("expected [first, last] in seconds", (*path, "window_s"), window)
-    first, last = (_whole(t, step_s, (*path, "window_s"), 0, ticks,
-                          f"two times from 0 to duration_s = {table['duration_s']}, each {multiple}", window) for t in window)
+    want = f"two times from 0 to duration_s = {table['duration_s']}, each {multiple}"
+    first, last = (_whole(t, step_s, (*path, "window_s"), 0, ticks, want, window) for t in window)
     if not first < last:
         raise WellError("expected first < last", (*path, "window_s"), window)
     limit = Number("limit", {"severity_limit": ""}, 0.0, 10.0)
     limit = _take(table, limit, path, [])
     start = _string(table, "start", path, "rest|rotating", '"rest" or "rotating"')
     inputs.extend((_dotted((*path, key)), show(table[key])) for key in RUN_KEYS)
-    return dict(step_ns=step, ticks=ticks, window_first=first, window_last=last, limit=limit, rotating=start == "rotating")
+    return {"step_ns": step, "ticks": ticks, "window_first": first, "window_last": last, "limit": limit,
+            "rotating": start == "rotating"}
 
 
 def _whole(value, unit, path, low, high, want, shown=None):

@@ -5,6 +5,7 @@
 #        OPT=-O2   WARN=... (warnings)   WERROR= (empty: warnings pass)   OUT=build/NAME[-double][-WELL]
 # Out    $(call image,IMAGE,SOURCES)     rules for $(OUT)/IMAGE.elf, .bin, .hex, .map from SOURCES, the kernel and the
 #                                        board. Unused sections are dropped. Every object leaves a .ci beside it (stack).
+#        $(call bare_image,...)          the same without the kernel. Both are for $(eval ...)
 #        $(TARGET_KERNEL_OBJECTS)        firmware/*.c, firmware/link/*.c and the table
 #        $(TARGET_RUN) IMAGE.elf         runs it in QEMU;  $(TARGET_RUN_COUNTING) IMAGE.elf: with exact instruction counts
 # Goals  hello  faults  one-tests  tests-image  budgets  flash  flash-IMAGE
@@ -50,7 +51,7 @@ TARGET_BOARD := $(wildcard firmware/board/*.c firmware/board/$(FAMILY)/*.[cS] fi
 target_objects = $(addprefix $(OUT)/,$(addsuffix .o,$(basename $(1))))
 TARGET_KERNEL_OBJECTS := $(call target_objects,$(TARGET_KERNEL))
 TARGET_BOARD_OBJECTS := $(call target_objects,$(TARGET_BOARD))
-TARGET_RUN = python3 tests/run_target --target $(TARGET)
+TARGET_RUN = python3 tests/run_target.py --target $(TARGET)
 TARGET_RUN_COUNTING = $(TARGET_RUN) --counting
 
 # Flags in a file of their own: another OPT or REAL in the same OUT rebuilds.
@@ -67,12 +68,16 @@ $(OUT)/%.o: %.S $(OUT)/flags
 	$(TARGET_CC) $(ARCH) -g -c $< -o $@
 $(OUT)/firmware/board/memory.o: TARGET_EXTRA := -fno-tree-loop-distribute-patterns
 
-# image,NAME,SOURCES
-define image
-$(OUT)/$(1).elf: $(call target_objects,$(2)) $(TARGET_KERNEL_OBJECTS) $(TARGET_BOARD_OBJECTS) linker/$(TARGET).ld linker/sections.ld
+# bare_image,IMAGE,SOURCES
+define bare_image
+$(OUT)/$(1).elf: $(call target_objects,$(2)) $(TARGET_BOARD_OBJECTS) linker/$(TARGET).ld linker/sections.ld
 	@mkdir -p $$(@D)
 	$(TARGET_CC) $(TARGET_LINK) -Wl,-Map=$(OUT)/$(1).map $$(filter %.o,$$^) -lgcc -o $$@
 -include $(patsubst %.o,%.d,$(call target_objects,$(2)))
+endef
+define image
+$(call bare_image,$(1),$(2))
+$(OUT)/$(1).elf: $(TARGET_KERNEL_OBJECTS)
 endef
 -include $(patsubst %.o,%.d,$(TARGET_KERNEL_OBJECTS) $(TARGET_BOARD_OBJECTS))
 
@@ -81,10 +86,10 @@ endef
 %.hex: %.elf
 	$(CROSS)objcopy -O ihex $< $@
 
-# Without a kernel inside: the board alone.
+# The board alone.
 FAULTS := $(wildcard tests/faults/*.c)
-$(eval $(call image,hello,tests/target_hello.c firmware/app/line.c))
-$(foreach f,$(FAULTS),$(eval $(call image,faults/$(basename $(notdir $(f))),$(f))))
+$(eval $(call bare_image,hello,tests/target_hello.c firmware/app/line.c))
+$(foreach f,$(FAULTS),$(eval $(call bare_image,faults/$(basename $(notdir $(f))),$(f))))
 hello: $(OUT)/hello.elf
 faults: $(patsubst tests/faults/%.c,$(OUT)/faults/%.elf,$(FAULTS))
 
@@ -104,7 +109,7 @@ one-tests: $(patsubst tests/%.c,$(OUT)/%.elf,$(TARGET_TESTS))
 
 # Limits of tests/budgets.txt; IMAGES built before are checked too.
 budgets: $(TARGET_KERNEL_OBJECTS)
-	python3 tests/check_budgets.py --target $(TARGET) --real $(REAL) --out $(OUT) --cross $(CROSS) $(TARGET_KERNEL_OBJECTS)
+	python3 tests/check_budgets.py --target $(TARGET) --real $(REAL) --out $(OUT) $(TARGET_KERNEL_OBJECTS)
 
 # Prints the command; runs it when OpenOCD is installed and the probe is plugged in.
 flash: flash-device

@@ -8,12 +8,17 @@
 
 #include "../firmware/real.h"
 
+#ifndef CHECK_LONG
+#define CHECK_LONG 0                              /* 1: the sample sizes that only a host has time for */
+#endif
+
 extern unsigned check_passed, check_failed;
 
 void check_put(char c);
 void check_text(const char *text);
 void check_hex(uint64_t value, int digits);
 void check_decimal(int64_t value);
+void check_number(wide value);                    /* nine digits and a power of ten */
 
 /* Count one claim; a false one prints file, line and the claim. */
 void check_claim(int holds, const char *file, int line, const char *claim);
@@ -21,7 +26,7 @@ void check_claim(int holds, const char *file, int line, const char *claim);
 
 /* As CHECK, and prints the two values that should have been equal within `within` (an absolute bound). */
 void check_close(wide got, wide want, wide within, const char *file, int line, const char *claim);
-#define CLOSE(got, want, within) check_close((got), (want), (within), __FILE__, __LINE__, #got)
+#define CLOSE(got, want, within) check_close((wide)(got), (wide)(want), (wide)(within), __FILE__, __LINE__, #got)
 
 /* As CHECK for integers, and prints both. */
 void check_equal(uint64_t got, uint64_t want, const char *file, int line, const char *claim);

@@ -1,9 +1,9 @@
-/* paper_shapes.c - mode shapes at the nodes of the drill string "paper". GENERATED, do not edit.
+/* Mode shapes of the drill string "paper" at the nodes. GENERATED, do not edit.
  *
  * Generator  gen/ (schema 1)
  * Command    python3 gen paper.toml
  *
- * Inputs and certificate: paper.c.
+ * Inputs and certificate: in the table of the same id.
  */
 #include "../string_model.h"
 
@@ -4208,7 +4208,7 @@ static const real axial_gram[] = {
 const kelly_shapes kelly_string_shapes = {
     .schema = KELLY_SCHEMA,
     .real_bytes = sizeof(real),
-    .id = "paper-357d0c2d",
+    .id = "paper-4c51472e",
     .x = x,
     .twist = twist,
     .axial = axial,

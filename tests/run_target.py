@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""run_target - run one image in the emulator of its target: UART on stdout, its exit status as ours.
+"""run_target.py - run one image in the emulator of its target: UART on stdout, its exit status as ours.
 
-usage: tests/run_target --target NAME [--timeout S] [--counting] [--line TEXT]... [--qemu OPTION]... IMAGE.elf
+usage: tests/run_target.py --target NAME [--timeout S] [--counting] [--line TEXT]... [--qemu OPTION]... IMAGE.elf
 
 The machine comes from linker/NAME.mk. Each line `?` that the image prints is a question (firmware/app/line.h): it is
 answered with the next --line, and with an empty line when there are no more. --counting adds the -icount option under
@@ -37,16 +37,16 @@ def command(settings, elf, counting=False, extra=()):
 
 
 class Answers:
-    """Answers each `?` line of a stream of output."""
+    """Answers each `?` line of a stream of output; lines None: never."""
 
     def __init__(self, lines, write):
-        self.lines, self.write, self.seen = list(lines), write, b""
+        self.silent, self.lines, self.write, self.seen = lines is None, list(lines or ()), write, b""
 
     def hear(self, data):
         self.seen += data
         *whole, self.seen = self.seen.split(b"\n")
         for line in whole:
-            if line.strip() == b"?":
+            if line.strip() == b"?" and not self.silent:
                 self.write((self.lines.pop(0) if self.lines else "").encode() + b"\n")
 
 
