@@ -46,8 +46,8 @@ def axial(bars, fc, count):
 
 
 def uniform_response(bars, fc, modes):
-    """d_i = phi_i' M 1, the coupling to the top node included. Summing the free rows of (K + Kg) phi = w2 M phi leaves the
-    reaction at the top: d = phi_1 (k_1 / w2 + m_1), with all digits even where the sum over the nodes nearly cancels."""
+    """d_i = phi_i' M 1, the coupling to the top node included. Summing the free rows of (K + Kg) phi = w2 M phi leaves
+    the reaction at the top: d = phi_1 (k_1 / w2 + m_1), with all digits even where the sum over the nodes cancels."""
     return modes.shape[1] * (bars_.torsion_k(bars, fc)[0][:, None] / modes.w2 + bars.torsion_m[0])
 
 

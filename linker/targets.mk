@@ -8,6 +8,8 @@
 #        $(call bare_image,...)          the same without the kernel. Both are for $(eval ...)
 #        $(TARGET_KERNEL_OBJECTS)        firmware/*.c, firmware/link/*.c and the table
 #        $(TARGET_RUN) IMAGE.elf         runs it in QEMU;  $(TARGET_RUN_COUNTING) IMAGE.elf: with exact instruction counts
+#                                        Defined here: device (firmware/app/*.c), digest (app/digest.c, app/line.c), tests
+#                                        (tests/main.c and all tests), test_NAME (one test), hello, faults/NAME
 # Goals  hello  faults  one-tests  tests-image  budgets  flash  flash-IMAGE
 #
 # A board: linker/NAME.mk with
@@ -92,6 +94,14 @@ $(eval $(call bare_image,hello,tests/target_hello.c firmware/app/line.c))
 $(foreach f,$(FAULTS),$(eval $(call bare_image,faults/$(basename $(notdir $(f))),$(f))))
 hello: $(OUT)/hello.elf
 faults: $(patsubst tests/faults/%.c,$(OUT)/faults/%.elf,$(FAULTS))
+
+# The device program.
+$(eval $(call image,device,firmware/app/device.c firmware/app/line.c))
+device: $(OUT)/device.elf $(OUT)/device.bin $(OUT)/device.hex
+
+# The device program and the digest: both may use firmware/app/line.c.
+$(eval $(call image,device,$(filter-out firmware/app/digest.c,$(wildcard firmware/app/*.c))))
+$(eval $(call image,digest,$(wildcard firmware/app/digest.c) firmware/app/line.c))
 
 # All tests in one image, and, for parts too small for that, one image a test: $(OUT)/test_NAME.elf.
 TARGET_TESTS := $(sort $(wildcard tests/test_*.c))

@@ -34,6 +34,13 @@
 #define CR_PLLRDY  (1u << 25)
 #define PLL_FROM_HSE (1u << 22)
 
+/* Open a clock gate; the device answers two cycles later, and the read takes longer. */
+static void clock_on(volatile uint32_t *gate, uint32_t bit)
+{
+    *gate |= bit;
+    (void)*gate;
+}
+
 /* Wait for a bit of RCC_CR: crystal 2 ms, PLL 0.3 ms; this many polls take at least 20 ms at 16 MHz. */
 static int ready(uint32_t bit)
 {
@@ -60,11 +67,12 @@ static uint32_t start_clock(void)
 {
     if (RCC_CR == 0)
         return PLL_HZ;
-    RCC_APB1ENR |= 1u << 28;
+    clock_on(&RCC_APB1ENR, 1u << 28);   /* PWR */
     PWR_CR |= 1u << 14;
     if (!start_pll())
         return HSI_HZ;
-    FLASH_ACR = 7u << 8 | 5u;   /* prefetch, instruction and data cache, 5 wait states */
+    FLASH_ACR = 7u << 8 | 5u;   /* prefetch, instruction and data cache, 5 wait states; in force once it reads back */
+    (void)FLASH_ACR;
     RCC_CFGR = 4u << 13 | 5u << 10;   /* APB2 / 2, APB1 / 4, AHB / 1 */
     RCC_CFGR |= 2u;
     for (uint32_t polls = 0; polls < 50000 && (RCC_CFGR & 12u) != 8u; polls++)
@@ -74,8 +82,8 @@ static uint32_t start_clock(void)
 
 static void start_uart(uint32_t apb2_hz)
 {
-    RCC_AHB1ENR |= 1u;        /* GPIOA */
-    RCC_APB2ENR |= 1u << 4;   /* USART1 */
+    clock_on(&RCC_AHB1ENR, 1u);        /* GPIOA */
+    clock_on(&RCC_APB2ENR, 1u << 4);   /* USART1 */
     GPIOA_MODER = (GPIOA_MODER & ~(15u << 18)) | 10u << 18;      /* PA9, PA10: alternate function */
     GPIOA_AFRH = (GPIOA_AFRH & ~(0xFFu << 4)) | 0x77u << 4;      /* AF7 */
     GPIOA_PUPDR = (GPIOA_PUPDR & ~(3u << 20)) | 1u << 20;        /* an open input must not look like a start bit */
@@ -86,7 +94,7 @@ static void start_uart(uint32_t apb2_hz)
 /* TIM2 for the emulator, where it counts ns; on silicon CYCCNT runs and TIM2 is not read. */
 static void start_counter(void)
 {
-    RCC_APB1ENR |= 1u;
+    clock_on(&RCC_APB1ENR, 1u);
     TIM2_ARR = 0xFFFFFFFFu;
     TIM2_EGR = 1;
     TIM2_CR1 = 1;
