@@ -34,6 +34,24 @@ typedef struct {
     vreal s0, e1, e2, e3, e4;
 } inputs;
 
+/* A mode comes into registers as one block: with an FPU of its own register file, Cortex-M loads it with one instruction. */
+#if defined(__arm__) && defined(__ARM_FP) && !defined(KELLY_DOUBLE) && KELLY_WIDTH == 1
+KELLY_INLINE kelly_mode fetch(const kelly_mode *from)
+{
+    register real w __asm("s16"), d00 __asm("s17"), d01 __asm("s18"), d10 __asm("s19"), d11 __asm("s20");
+    register real m0 __asm("s21"), m1 __asm("s22"), m2 __asm("s23"), m3 __asm("s24"), xi __asm("s25"), zeta __asm("s26");
+
+    __asm("vldmia %11, {s16-s26}" : "=t"(w), "=t"(d00), "=t"(d01), "=t"(d10), "=t"(d11), "=t"(m0), "=t"(m1), "=t"(m2), "=t"(m3),
+          "=t"(xi), "=t"(zeta) : "r"(from), "m"(*from));
+    return (kelly_mode){ w, d00, d01, d10, d11, m0, m1, m2, m3, xi, zeta };
+}
+#else
+KELLY_INLINE kelly_mode fetch(const kelly_mode *from)
+{
+    return *from;
+}
+#endif
+
 KELLY_INLINE void add_outputs(sums *sum, const kelly_mode *mode, int full)
 {
     const vreal z = mode->m2 * mode->xi + mode->m3 * mode->zeta;
@@ -121,8 +139,12 @@ KELLY_INLINE void finish(kelly_lane *on, kelly_mode *mode, unsigned modes, const
     sums sum = { .x = vsplat(0) };
 
     for (unsigned i = 0; i < modes; i++) {
-        move(&mode[i], &in, full);
-        add_outputs(&sum, &mode[i], full);
+        kelly_mode now = fetch(&mode[i]);
+
+        move(&now, &in, full);
+        mode[i].xi = now.xi;
+        mode[i].zeta = now.zeta;
+        add_outputs(&sum, &now, full);
     }
     stage_speeds(on, &sum, al, be, full);
     on->lowest = vmin(on->y1, on->lowest);

@@ -75,7 +75,16 @@ KELLY_INLINE vreal vmax(vreal a, vreal b) { return (vreal)KELLY_X86(max_ps)(a, b
 
 #endif
 
-/* x held within -limit .. limit. A NaN stays a NaN: the second operand comes through. */
+/* x held within -limit .. limit. A NaN stays a NaN. One lane asks the usual question first: it is seldom beyond. */
+#if KELLY_WIDTH == 1
+KELLY_INLINE vreal vclamp(vreal x, real limit)
+{
+    const real size = x < 0 ? -x : x;
+
+    return size > limit ? (x < 0 ? -limit : limit) : x;
+}
+#else
 KELLY_INLINE vreal vclamp(vreal x, real limit) { return vmax(vsplat(-limit), vmin(vsplat(limit), x)); }
+#endif
 
 #endif

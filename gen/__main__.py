@@ -94,8 +94,8 @@ def _text(path):
 
 
 def write(directory, files):
-    """{name: text} -> directory, all or none."""
-    temporary = {}
+    """{name: text} -> directory, all or none: two files of different strings must not stand side by side."""
+    temporary, placed = {}, []
     try:
         os.makedirs(directory, exist_ok=True)
         for name, text in files.items():
@@ -104,8 +104,9 @@ def write(directory, files):
                 file.write(text)
         for name in files:
             os.replace(temporary[name], os.path.join(directory, name))
+            placed.append(os.path.join(directory, name))
     except BaseException:
-        for path in temporary.values():
+        for path in [*temporary.values(), *placed]:
             if os.path.exists(path):
                 os.remove(path)
         raise

@@ -81,7 +81,7 @@ def _residual(k, m, modes, fixed_top):
 
 def _lapack(k, m, modes, where, fixed_top):
     """Largest difference from LAPACK, relative, in w2 and in shapes. Solved for the stretches, sqrt(k_e) times the step
-    of phi over element e, whose largest eigenvalues 1 / w2 are the wanted ones: an assembled K would lose their digits."""
+    of phi over element e, whose largest eigenvalues 1 / w2 are the wanted ones: an assembled K would lose digits."""
     n, worst = len(m), 0.0
     mass = np.zeros((n + 1, n + 1))
     for e, me in enumerate(m):

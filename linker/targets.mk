@@ -8,9 +8,8 @@
 #        $(call bare_image,...)          the same without the kernel. Both are for $(eval ...)
 #        $(TARGET_KERNEL_OBJECTS)        firmware/*.c, firmware/link/*.c and the table
 #        $(TARGET_RUN) IMAGE.elf         runs it in QEMU;  $(TARGET_RUN_COUNTING) IMAGE.elf: with exact instruction counts
-#                                        Defined here: device (firmware/app/*.c), digest (app/digest.c, app/line.c), tests
-#                                        (tests/main.c and all tests), test_NAME (one test), hello, faults/NAME
-# Goals  hello  faults  one-tests  tests-image  budgets  flash  flash-IMAGE
+# Goals  device  hello  faults  tests-image (tests.elf: all tests)  one-tests (test_NAME.elf: one test each)
+#        budgets  flash  flash-IMAGE
 #
 # A board: linker/NAME.mk with
 #   CROSS, ARCH       compiler prefix; CPU flags, for compiling and linking
@@ -96,22 +95,19 @@ hello: $(OUT)/hello.elf
 faults: $(patsubst tests/faults/%.c,$(OUT)/faults/%.elf,$(FAULTS))
 
 # The device program.
-$(eval $(call image,device,firmware/app/device.c firmware/app/line.c))
+$(eval $(call image,device,$(wildcard firmware/app/*.c)))
 device: $(OUT)/device.elf $(OUT)/device.bin $(OUT)/device.hex
-
-# The device program and the digest: both may use firmware/app/line.c.
-$(eval $(call image,device,$(filter-out firmware/app/digest.c,$(wildcard firmware/app/*.c))))
-$(eval $(call image,digest,$(wildcard firmware/app/digest.c) firmware/app/line.c))
 
 # All tests in one image, and, for parts too small for that, one image a test: $(OUT)/test_NAME.elf.
 TARGET_TESTS := $(sort $(wildcard tests/test_*.c))
-$(eval $(call image,tests,tests/main.c tests/check.c tests/on_target.c $(TARGET_TESTS)))
+TARGET_TEST_HELP := tests/check.c tests/on_target.c $(wildcard tests/fixture.c tests/textbook.c)
+$(eval $(call image,tests,tests/main.c $(TARGET_TEST_HELP) $(TARGET_TESTS)))
 tests-image: $(OUT)/tests.elf
 $(OUT)/one/%.o: tests/one_test.c $(OUT)/flags
 	@mkdir -p $(@D)
 	$(TARGET_CC) $(TARGET_FLAGS) -DONE_TEST=$* $(TARGET_FIXED) -c $< -o $@
 define one_test
-$(call image,$(1),tests/$(1).c tests/check.c tests/on_target.c)
+$(call image,$(1),tests/$(1).c $(TARGET_TEST_HELP))
 $(OUT)/$(1).elf: $(OUT)/one/$(1).o
 endef
 $(foreach t,$(TARGET_TESTS),$(eval $(call one_test,$(basename $(notdir $(t))))))
@@ -130,4 +126,4 @@ flash-%: $(OUT)/%.elf
 	 then openocd $(OPENOCD) -c "program $< verify reset exit"; \
 	 else echo 'not run: needs openocd and a debug probe (USB vendor $(PROBE))'; fi
 
-.PHONY: hello faults tests-image one-tests budgets flash FORCE
+.PHONY: device hello faults tests-image one-tests budgets flash FORCE

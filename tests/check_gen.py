@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Claims about gen/: the table's bytes, its numbers against other ways to them, the guards, and the reference integrator.
+"""Claims about gen/: the table's bytes, its numbers against other ways to them, the guards, the reference integrator.
 
 Run with an interpreter that has numpy and scipy (Debian: /usr/bin/python3). The bad well files are in check_wells.py.
 Prints one line for each claim that fails, then `N passed, N failed`; exit 1 if any failed.
@@ -30,7 +30,7 @@ import well as well_                        # noqa: E402
 PAPER = os.path.join(ROOT, "gen", "wells", "paper.toml")
 TABLES = os.path.join(ROOT, "firmware", "tables")
 WELLS = [os.path.join(ROOT, "tests", "wells", name) for name in ("three.toml", "short.toml", "one-mode.toml")]
-CFLAGS = ["-std=c11", "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Wundef", "-Werror"]
+CFLAGS = "-std=c11 -pedantic -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Wundef -Werror -fsyntax-only".split()
 count = {True: 0, False: 0}
 
 
@@ -45,9 +45,12 @@ def close(value, want, within, text):
     claim(abs(value - want) <= within, f"{text}: {value!r}, expected {want!r} within {within:g}")
 
 
+def run(*command, **options):
+    return subprocess.run(command, capture_output=True, text=True, check=False, **options)
+
+
 def generate(path, out, **environment):
-    return subprocess.run([sys.executable, os.path.join(ROOT, "gen"), path, "--out", out], capture_output=True, text=True,
-                          env={**os.environ, **environment}, check=False)
+    return run(sys.executable, os.path.join(ROOT, "gen"), path, "--out", out, env={**os.environ, **environment})
 
 
 def read(*path):
@@ -91,8 +94,10 @@ def bytes_repeat(directory):
     """The same bytes as committed, whatever the processor offers to numpy and to its BLAS."""
     wanted = {name: read(TABLES, name) for name in ("paper.c", "paper_shapes.c")}
     avx = "AVX2 FMA3 AVX512F AVX512CD AVX512_SKX AVX512_CLX AVX512_CNL AVX512_ICL"
-    for label, environment in (("as it is", {}), ("no AVX", {"NPY_DISABLE_CPU_FEATURES": avx, "OPENBLAS_CORETYPE": "Prescott"}),
-                               ("another BLAS kernel", {"OPENBLAS_CORETYPE": "Haswell", "OPENBLAS_NUM_THREADS": "1"})):
+    machines = {"as it is": {},
+                "no AVX": {"NPY_DISABLE_CPU_FEATURES": avx, "OPENBLAS_CORETYPE": "Prescott"},
+                "another BLAS kernel": {"OPENBLAS_CORETYPE": "Haswell", "OPENBLAS_NUM_THREADS": "1"}}
+    for label, environment in machines.items():
         out = os.path.join(directory, label.replace(" ", "_"))
         ran = generate(PAPER, out, **environment)
         claim(ran.returncode == 0, f"paper.toml is accepted, {label}: {ran.stderr.strip()}")
@@ -100,7 +105,7 @@ def bytes_repeat(directory):
             path = os.path.join(out, name)
             claim(os.path.exists(path) and read(path) == text, f"{name} regenerates to the committed bytes, {label}")
     text = "".join(wanted.values())
-    claim(text.isascii() and "/home" not in text and "/work" not in text and ROOT not in text and not re.search(r"20\d\d-\d\d", text),
+    claim(text.isascii() and ROOT not in text and not re.search(r"20\d\d-\d\d", text),
           "the generated files hold neither path nor date")
     claim(len(wanted["paper_shapes.c"]) < 2_000_000, "the shapes file stays below 2 MB")
 
@@ -111,7 +116,8 @@ def fit_is_the_eigensolution(path, text):
     fc_max = table.scalars["fc_max"]
     for fc in (f for f in (2e3, 37.3e3, 100e3, 400e3, 900e3) if f <= fc_max):
         direct = reference.modes(well, fc)
-        for name, size in (("w2", table.torsional), ("b", table.torsional), ("axial_w2", table.axial), ("axial_b", table.axial)):
+        for name in ("w2", "b", "axial_w2", "axial_b"):
+            size = table.axial if name.startswith("axial") else table.torsional
             own, other = table.at(name, fc), direct[name][:size]
             first = 1 if name == "axial_w2" else 0
             error = np.max(np.abs(own[first:] / other[first:] - 1.0)) if size > first else 0.0
@@ -121,9 +127,9 @@ def fit_is_the_eigensolution(path, text):
         error = np.max(np.abs(own - other) / np.abs(other))
         claim(error < 1e-9, f"{well.name}: d at {fc:g} N equals the eigensolution: {error:.1e}")
     direct = reference.modes(well, None)
-    for name, size in (("w2", table.torsional), ("axial_w2", table.axial)):
-        error = np.max(np.abs(np.array(table.arrays["free_w2" if name == "w2" else "axial_free_w2"]) - direct[name][:size])
-                       / np.maximum(direct[name][:size], 1e-9))
+    for name in ("w2", "axial_w2"):
+        own = np.array(table.arrays[name.replace("w2", "free_w2")])
+        error = np.max(np.abs(own - direct[name][:len(own)]) / np.maximum(direct[name][:len(own)], 1e-9))
         claim(error < 1e-9, f"{well.name}: {name} without prestress equals the eigensolution: {error:.1e}")
     close(table.scalars["inertia"], direct["inertia"], 1e-12 * direct["inertia"], f"{well.name}: J = 1'M1")
     claim(table.arrays["axial_w2"][:table.scalars["degree"] + 1] == [0.0] * (table.scalars["degree"] + 1),
@@ -145,13 +151,15 @@ def shapes_fit(path, directory):
     (ka, ma), (kt, mt) = reference.matrices(well, fc)
     twist = shapes.at("twist", fc).reshape(table.torsional, nodes).T
     axial = shapes.at("axial", fc).reshape(table.axial, nodes).T
-    for label, phi, k, m, w2 in (("twist", twist, kt, mt, table.at("w2", fc)), ("axial", axial, ka, ma, table.at("axial_w2", fc))):
+    for label, phi, k, m, w2 in (("twist", twist, kt, mt, table.at("w2", fc)),
+                                 ("axial", axial, ka, ma, table.at("axial_w2", fc))):
         gram = phi.T @ m @ phi
         claim(np.max(np.abs(gram - np.eye(len(gram)))) < 1e-8, f"{well.name}: {label} shapes are M-orthonormal")
         energy = np.diag(phi.T @ k @ phi)
         claim(np.max(np.abs(energy - w2)) < 1e-8 * np.max(w2 + 1e-9), f"{well.name}: {label} shapes have the energy w2")
         rows, columns = np.tril_indices(phi.shape[1])
-        error = np.max(np.abs(shapes.at(label + "_gram", fc) - (phi.T @ phi)[rows, columns])) / np.max(np.abs(phi.T @ phi))
+        sums = phi.T @ phi
+        error = np.max(np.abs(shapes.at(label + "_gram", fc) - sums[rows, columns])) / np.max(np.abs(sums))
         claim(error < 1e-8, f"{well.name}: {label}_gram is the sum over the nodes: {error:.1e}")
     claim(np.all(twist[0] == 0.0), f"{well.name}: the top node does not twist")
     length = sum(s.length for s in well.sections)
@@ -180,12 +188,14 @@ def golden_numbers(table):
     for n, want in ((1, 0.0085134), (10, 0.0428560), (20, 0.0769149)):
         close(float((b[:n]**2).sum()), want, 6e-8, f"sum of b^2 over {n}")
     close(math.sqrt(w2[0]) / 2 / math.pi, 0.36808567, 6e-9, "f_1 [Hz]")
-    for value, want, within in ((b[0], 0.0922678, 6e-8), (abs(d[0]), 12.89665, 6e-6), (b[1], 0.0605054, 6e-8), (abs(d[1]), 4.270786, 6e-7)):
+    for value, want, within in ((b[0], 0.0922678, 6e-8), (abs(d[0]), 12.89665, 6e-6),
+                                (b[1], 0.0605054, 6e-8), (abs(d[1]), 4.270786, 6e-7)):
         close(value, want, within, "b_1, d_1, b_2, d_2")
     close(table.scalars["inertia"] - float((d[:10]**2).sum()), 3.200, 5e-4, "J - sum d^2")
-    for name, want in (("fc", 1e5), ("f0", 5e4), ("mu", 0.04), ("a1", 2.0), ("a2", 1.0), ("w0", 100.0 * 0.10471975511965977),
-                       ("step_ns", 1000000), ("window_first", 50000), ("window_last", 100000)):
-        claim(table.scalars.get(name, 1000000 if name == "step_ns" else None) == want, f"nominal {name} = {want}")
+    nominal = {"fc": 1e5, "f0": 5e4, "mu": 0.04, "a1": 2.0, "a2": 1.0, "w0": 100.0 * 0.10471975511965977, "limit": 0.8,
+               "window_first": 50000, "window_last": 100000, "rotating": 0}
+    for name, want in nominal.items():
+        claim(table.scalars[name] == want, f"nominal {name} = {want}")
 
 
 def uniform_bar():
@@ -206,23 +216,20 @@ def uniform_bar():
 
 
 def stable_step():
-    """The law of the fastest rate, against a sum over quantiles with scipy's gamma law."""
+    """The law of the fastest rate, against a sum with scipy's gamma law."""
     well = load(PAPER)
     reduction = reduce.reduce(well, bars.build(well))
     found = stability.stability(well, reduction)
     close(found.nominal, 771.65, 0.5, "nominal rate [1/s]")
-    p = (np.arange(4000) + 0.5) / 4000
-    # half of the points in the upper 1e-3, where exceedances come from
-    p = np.concatenate([p * (1 - 1e-3), 1 - 1e-3 + 1e-3 * p])
-    weight = np.concatenate([np.full(4000, (1 - 1e-3) / 4000), np.full(4000, 1e-3 / 4000)])
-    fc, a1 = stats.gamma.ppf(p, 25, scale=1e5 / 25)[::8], stats.gamma.ppf(p, 25, scale=2.0 / 25)[::8]
-    weight = weight[::8] / weight[::8].sum()
+    x = np.linspace(0.1, 4.0, 1001)
+    weight = stats.gamma.pdf(x, 25, scale=1.0 / 25) * (x[1] - x[0])
+    fc, a1 = 1e5 * x, 2.0 * x
     gain, damping = stability._gain(well, reduction, fc)
     for rate in (2000.0, found.rate, 2785.0):
         need = (rate - damping)[:, None] / gain[:, None] / (1 + a1)[None, :]
         other = float(weight @ stats.gamma.sf(need, 25, scale=0.04 / 25) @ weight)
         own = stability._exceeds(stability._laws(well, reduction), rate)
-        claim(abs(own / other - 1) < 0.03, f"P(rate > {rate:g}) = {own:.3g}, by quantiles {other:.3g}")
+        claim(abs(own / other - 1) < 0.01, f"P(rate > {rate:g}) = {own:.3g}, by scipy {other:.3g}")
     claim(1.4e-7 < found.exceedance < 2.6e-7, f"at 1 ms 2e-7 of the realisations are refused: {found.exceedance:.2g}")
     for cov in (0.001, 0.05, 0.2, 0.5):
         x = 1 + cov * np.array([0.0, 1.0, 3.0, 5.0])
@@ -250,9 +257,8 @@ def guards_trip(directory, cc):
     for edited, reason in edits:
         with open(os.path.join(tree, "tables", "t.c"), "w", encoding="ascii") as file:
             file.write(edited)
-        ran = subprocess.run([cc, *CFLAGS, "-fsyntax-only", "t.c"], cwd=os.path.join(tree, "tables"), capture_output=True,
-                             text=True, check=False)
-        holds = ran.returncode == 0 if reason is None else ran.returncode != 0 and reason in ran.stderr and edited != text
+        ran = run(cc, *CFLAGS, "t.c", cwd=os.path.join(tree, "tables"))
+        holds = ran.returncode == 0 if reason is None else ran.returncode and reason in ran.stderr and edited != text
         claim(holds, f"the table compiles, or trips on {reason}: {ran.stderr.strip()[:200]}")
 
 
@@ -261,8 +267,7 @@ def compiles(directory, cc, path):
     for file in (f"{name}.c", f"{name}_shapes.c"):
         text = read(directory, file).replace('"../string_model.h"', f'"{ROOT}/firmware/string_model.h"')
         for real in ([], ["-DKELLY_DOUBLE"]):
-            ran = subprocess.run([cc, *CFLAGS, *real, "-fsyntax-only", "-x", "c", "-"], input=text, capture_output=True, text=True,
-                                 check=False)
+            ran = run(cc, *CFLAGS, *real, "-x", "c", "-", input=text)
             claim(ran.returncode == 0, f"{file} compiles without a warning, {real}: {ran.stderr.strip()[:200]}")
 
 
@@ -295,8 +300,8 @@ def reference_is_right():
     close(axial[3], 0.395796, 6e-7, "tight axial bit speed at 20 s [m/s]")
     soft = {"mu": 0.004, "rotating": 1, "w0": 14.0, "fc": 130e3}
     exact = tight(soft, [0.0, 4.0])[0][1]
-    errors = [abs(reference.simulate(well, soft, h, 4.0, 4.0)["bit_speed"][1] - exact) for h in (0.008, 0.004)]
-    close(math.log2(errors[0] / errors[1]), 4.0, 0.1, "observed order of the reference RK4")
+    errors = [abs(reference.simulate(well, soft, h, 4.0, 4.0)["bit_speed"][1] - exact) for h in (0.001, 0.0005)]
+    close(math.log2(errors[0] / errors[1]), 4.0, 0.05, "observed order of the reference RK4")
 
 
 def main():

@@ -13,7 +13,7 @@ import re
 import subprocess
 import sys
 
-from run_target import ROOT, TIMED_OUT, command, run, target_settings
+from run_target import ROOT, TIMED_OUT, command, counting, run, target_settings
 from stack_depth import Unbounded, stack_depth
 
 FAULT = 70
@@ -51,7 +51,7 @@ def check_hello(target, real):
     """Values, exact counts, and twice the same; the painted stack stays below the computed worst case. (How deep the
     stack went depends on where the tick struck, and that on when the host answered.)"""
     settings, base = target_settings(target), os.path.join(ROOT, out_of(target, real), "hello")
-    words = command(settings, base + ".elf", counting=True)
+    words = command(settings, base + ".elf", counting(settings))
     (status, output), (_, again) = run(words, [LINE], 60), run(words, [LINE], 60)
     seen, second = values(output), values(again)
     same = {**seen, "stack_used": 0} == {**second, "stack_used": 0}

@@ -1,16 +1,19 @@
 #!/usr/bin/env python3
 """run_target.py - run one image in the emulator of its target: UART on stdout, its exit status as ours.
 
-usage: tests/run_target.py --target NAME [--timeout S] [--counting] [--line TEXT]... [--qemu OPTION]... IMAGE.elf
+usage: tests/run_target.py --target NAME [--timeout S] [--counting | --icount TEXT] [--line TEXT]...
+                           [--stdin] [--qemu OPTION]... IMAGE.elf
 
 The machine comes from linker/NAME.mk. Each line `?` that the image prints is a question (firmware/app/line.h): it is
-answered with the next --line, and with an empty line when there are no more. --counting adds the -icount option under
-which board_measure is exact. Exit: the image's status (70 a fault), 124 time-out, 125 the emulator gave up.
+answered with the next --line, and with an empty line when there are no more. --stdin gives our stdin to the UART instead
+and answers nothing. --counting adds the -icount option under which board_measure is exact, --icount one of your own
+(shift=5,sleep=off). Exit: the image's status (70 a fault), 124 time-out, 125 the emulator gave up.
 """
 import argparse
 import os
 import re
 import selectors
+import signal
 import subprocess
 import sys
 import time
@@ -26,13 +29,13 @@ def target_settings(name):
         return dict(re.findall(r"^(\w+) *:= *(.*?) *$", file.read(), re.M))
 
 
-def command(settings, elf, counting=False, extra=()):
+def command(settings, elf, icount=None, extra=()):
     """The emulator's command line; the UART is its stdin and stdout."""
     words = settings["QEMU"].split() + ["-display", "none", "-monitor", "none", "-serial", "stdio"]
     if settings["FAMILY"] == "cortexm":
         words += ["-semihosting-config", "enable=on,target=native"]
-    if counting:
-        words += ["-icount", "shift=" + settings["ICOUNT_SHIFT"]]
+    if icount:
+        words += ["-icount", icount]
     return words + list(extra) + ["-kernel", elf]
 
 
@@ -58,9 +61,15 @@ def send(pipe, data):
         pass
 
 
-def run(words, lines=(), timeout=60.0, out=None):
-    """Run to the end or the time-out. Returns (status, output); `out` gets the output as it comes."""
-    process = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+def counting(settings):
+    """The -icount under which an instruction is a known number of counts."""
+    return "shift=" + settings["ICOUNT_SHIFT"]
+
+
+def run(words, lines=(), timeout=60.0, out=None, stdin=subprocess.PIPE):
+    """Run to the end or the time-out. Returns (status, output); `out` gets the output as it comes. An own stdin goes to
+    the UART; then lines must be None."""
+    process = subprocess.Popen(words, stdin=stdin, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     answers = Answers(lines, lambda data: send(process.stdin, data))
     output, end = bytearray(), time.monotonic() + timeout
     waiter = selectors.DefaultSelector()
@@ -95,12 +104,17 @@ def main():
     parser.add_argument("--target", required=True)
     parser.add_argument("--timeout", type=float, default=60.0)
     parser.add_argument("--counting", action="store_true")
+    parser.add_argument("--icount")
+    parser.add_argument("--stdin", action="store_true")
     parser.add_argument("--line", action="append", default=[])
     parser.add_argument("--qemu", action="append", default=[])
     parser.add_argument("elf")
     args = parser.parse_args()
-    words = command(target_settings(args.target), args.elf, args.counting, args.qemu)
-    status, _ = run(words, args.line, args.timeout, sys.stdout.buffer)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))   # ends the emulator on the way out
+    settings = target_settings(args.target)
+    words = command(settings, args.elf, counting(settings) if args.counting else args.icount, args.qemu)
+    source = (None, sys.stdin) if args.stdin else (args.line, subprocess.PIPE)
+    status, _ = run(words, source[0], args.timeout, sys.stdout.buffer, source[1])
     if status == TIMED_OUT:
         print(f"run_target: {args.elf}: time-out after {args.timeout:g} s", file=sys.stderr)
     elif status == EMULATOR_FAILED:

@@ -218,6 +218,7 @@ static void exponentials_have_known_values(void)
     CHECK(kelly_exp(W(0.0)) == W(1.0));
     CHECK(kelly_exp(-KELLY_EXP_END) > W(0.0));
     CHECK(kelly_exp(-KELLY_EXP_END - W(1.0)) == W(0.0));
+    CHECK(kelly_exp(W(-3.0) * KELLY_EXP_END) == W(0.0));
     CHECK(kelly_exp(KELLY_EXP_END + W(1.0)) == kelly_exp(KELLY_EXP_END));
 }
 

@@ -109,9 +109,8 @@ static inline void start(const problem *p, double *y)
 
 typedef struct {
     const char *precision;
-    unsigned engines;
-    const char *engine[4];
-    unsigned width[4], lanes[4];
+    /* Vector units, narrowest first, the scalar build before them; 0 behind the last one that runs here. */
+    const char *(*engine)(unsigned e, unsigned *width, unsigned *lanes);
     /* `count` realisations from `first` on one engine, hard rock: returns the digest. cov < 0: the well's laws. */
     uint32_t (*run)(unsigned engine, double cov, unsigned modes, uint32_t ticks, uint32_t first, uint32_t count);
     void (*problem)(long draw, problem *out);                /* draw < 0: nominal */
@@ -119,29 +118,6 @@ typedef struct {
 } side;
 
 extern const side side_float, side_double;
-
-/* ---- the machine ------------------------------------------------------------------------------------------------ */
-
-/* Vector operations a second with everything in registers: multiplies and adds half and half, or fused ones. */
-typedef struct {
-    const char *what;            /* "mul+add" or "fma" */
-    unsigned bits;
-    double (*float_rate)(void), (*double_rate)(void);   /* 1e9 lane operations a second; a fused one counts 2 */
-} peak;
-
-extern const peak peak_128, peak_256, peak_512, peak_fma_128, peak_fma_256, peak_fma_512;
-
-double now(void);                /* [s] */
-double median(double *x, unsigned n);
-
-/* Cost growth and whole programs: writes its part of the JSON file. `program` is build/host/kelly. */
-void growth(const char *program, const char *program_double, int is_long);
-
-/* Machine instructions of `ticks` more steps, counted by single-stepping: appends "address count" lines to the file. */
-int count_steps(const side *s, unsigned engine, const char *path);
-
-/* One measurement into the results file: {"kind": .., ..}; the rest as printf. */
-void record(const char *kind, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 #ifdef __cplusplus
 }

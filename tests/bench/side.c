@@ -1,12 +1,8 @@
 /* side.c - kelly in the precision that this file is compiled for, behind an interface without `real`. */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "../../firmware/kelly.h"
-#include "../../firmware/link/crc32c.h"
-#undef KELLY_X86
-#define KELLY_PI_USED
 #include "bench.h"
 
 #ifdef KELLY_DOUBLE
@@ -123,9 +119,22 @@ static double trace(long draw, const double *reference)
     }
 }
 
-/* Narrowest first; those that this processor lacks are left out. */
-#if defined(__x86_64__)
-#define LIST(field) { kelly_engine_scalar_##field }
-#endif
+/* Narrowest first; wider than this processor has are left out. */
+static const char *engine(unsigned e, unsigned *width, unsigned *lanes)
+{
+    unsigned usable = ENGINES;
 
-extern side SIDE_FILLED;
+#if defined(__x86_64__)
+    const int avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
+
+    usable = __builtin_cpu_supports("avx2") ? (avx512 ? 4 : 3) : 2;
+#endif
+    if (e >= usable) {
+        return 0;
+    }
+    *width = engines[e]->width;
+    *lanes = engines[e]->lanes;
+    return engines[e]->name;
+}
+
+const side SIDE = { .precision = PRECISION, .engine = engine, .run = run_engine, .problem = make_problem, .trace = trace };

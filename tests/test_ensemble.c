@@ -1,0 +1,156 @@
+/* test_ensemble.c - a range of realisations: the same bits however it is cut, and on every machine. */
+#include "check.h"
+#include "fixture.h"
+#include "vectors/digests.h"
+
+static kelly_case run;
+static kelly_result *const results = fixture.ensemble.results;
+static kelly_result *const again = fixture.ensemble.again;
+
+/* All five laws at 20 %, `ticks` steps, the window the second half. */
+static void random_case(uint32_t ticks)
+{
+    fixture_case(&run, ticks);
+    for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
+        run.cov[k] = 0.2f;
+    }
+}
+
+static void run_into(kelly_result *to, uint64_t seed, uint32_t first, uint32_t count)
+{
+    kelly_run(&kelly_string, &run, seed, first, count, to, &fixture.ensemble.work);
+}
+
+static uint32_t digest(uint32_t first, uint32_t count)
+{
+    kelly_tally tally = { 0 };
+
+    for (uint32_t j = 0; j < count; j++) {
+        kelly_tally_add(&tally, first + j, &results[j]);
+    }
+    return tally.digest;
+}
+
+static void does_not_mind_cuts(void)
+{
+    const uint32_t count = BY_LENGTH(3, FIXTURE_RESULTS);
+
+    random_case(BY_LENGTH(100, 3000));
+    run_into(results, 9, 50, count);
+    for (uint32_t piece = 1; piece < count; piece++) {
+        for (uint32_t done = 0; done < count; done += piece) {
+            run_into(&again[done], 9, 50 + done, count - done < piece ? count - done : piece);
+        }
+        for (uint32_t j = 0; j < count; j++) {
+            CHECK(fixture_same(&results[j], &again[j]));
+        }
+    }
+    CHECK(!fixture_same(&results[0], &results[1]));
+}
+
+/* Draws, extremes, means and severities in one number, of a small case; see vectors/digests.h. */
+static void has_its_digest(void)
+{
+    random_case(200);
+    run_into(results, 1, 0, 2);
+    EQUAL(digest(0, 2), DIGEST_SHORT);
+    run_into(results, UINT64_C(0x123456789abcdef0), UINT32_MAX - 1u, 2);   /* the last two indices there are */
+    EQUAL(digest(UINT32_MAX - 1u, 2), DIGEST_LAST);
+#ifdef CHECK_LONG
+    random_case(4000);
+    run_into(results, 1, 0, 8);
+    EQUAL(digest(0, 8), DIGEST_LONG);
+#endif
+}
+
+/* Result by result what a step-by-step run of the same draw gives. */
+static void classifies_what_it_ran(void)
+{
+    kelly_result one;
+    kelly_modes modes;
+    kelly_block *const block = &fixture.pair[0];
+    real low, high;
+    wide twist;
+
+    random_case(120);
+    run.limit = R(0.5);
+    run_into(results, 4, 7, 1);
+    one = results[0];
+    CHECK(one.status == KELLY_OK && one.lowest < one.highest);
+    EQUAL(kelly_realise(&kelly_string, &run, &one.draw, &modes), KELLY_OK);
+    kelly_block_clear(block, &kelly_string, &run, 1);
+    kelly_block_load(block, 0, &run, &one.draw, &modes);
+    kelly_block_advance(block, 60);
+    kelly_block_watch(block);
+    twist = (wide)kelly_block_twist(block, 0, &modes);
+    kelly_block_advance(block, 60);
+    twist = (wide)kelly_block_twist(block, 0, &modes) - twist;
+    kelly_block_extremes(block, 0, &low, &high);
+    CHECK(one.lowest == low && one.highest == high);
+    CLOSE((wide)one.mean, (wide)one.draw.w0 + twist / W(0.06), BY_REAL(1e-5, 1e-12));
+    CHECK(one.ss == kelly_severity(low, high));
+    CHECK(one.stuck == (one.ss > run.limit));
+    run.limit = one.ss;                                    /* only above the limit counts */
+    run_into(results, 4, 7, 1);
+    CHECK(!results[0].stuck);
+}
+
+static void expect_refused(const kelly_result *r, kelly_status status)
+{
+    EQUAL(r->status, status);
+    CHECK(r->lowest == 0 && r->highest == 0 && r->mean == 0 && r->ss == 0 && !r->stuck);
+    CHECK(r->draw.fc > 0);                                 /* the draw is reported */
+}
+
+static void refuses_without_guessing(void)
+{
+    random_case(20);
+    run.step_ns = 5000000;
+    run_into(results, 1, 0, 1);
+    expect_refused(&results[0], KELLY_STEP);
+    random_case(20);
+    run.fc = R(5e6);
+    run_into(results, 1, 0, 1);
+    expect_refused(&results[0], KELLY_RANGE);
+    random_case(20);
+    run.a2 = BY_REAL(1e36, 1e304) > W(1e30) ? (real)BY_REAL(1e36, 1e304) : 0;   /* overflows in (B): no check lets it pass */
+    run.cov[3] = 0.0f;
+    run_into(results, 1, 0, 1);
+    expect_refused(&results[0], KELLY_NONFINITE);
+}
+
+/* A bad neighbour in the same range changes nothing. */
+static void keeps_neighbours_apart(void)
+{
+    random_case(50);
+    run.step_ns = 3000000;
+    run_into(results, 2, 0, FIXTURE_RESULTS);
+    for (uint32_t j = 0; j < FIXTURE_RESULTS; j++) {
+        run_into(again, 2, j, 1);
+        CHECK(fixture_same(&results[j], &again[0]));
+    }
+}
+
+static void marks_lift_off(void)
+{
+    random_case(20);
+    run.fc = R(45000.0);
+    run.cov[0] = 0.0f;
+    run_into(results, 1, 0, 1);
+    EQUAL(results[0].status, KELLY_OK);
+    EQUAL(results[0].liftoff, 1);
+    run.fc = R(60000.0);
+    run_into(results, 1, 0, 1);
+    EQUAL(results[0].liftoff, 0);
+}
+
+void test_ensemble(void);
+void test_ensemble(void)
+{
+    does_not_mind_cuts();
+    has_its_digest();
+    classifies_what_it_ran();
+    refuses_without_guessing();
+    keeps_neighbours_apart();
+    marks_lift_off();
+}
