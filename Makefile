@@ -3,8 +3,10 @@
 #   REAL=double          the plant in double instead of float
 #   WELL=path/NAME.toml  another string
 #   TARGET=NAME          a board of linker/ instead of this machine
+#   V=1                  print the commands
 #   CC, CFLAGS, LDFLAGS  as usual; what equal bits need is added behind them and cannot be overridden
 
+Q := $(if $(V),,@)
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
 MAKEFLAGS += --no-builtin-rules
@@ -18,6 +20,8 @@ PYTHON ?= $(firstword $(foreach p,python3 /usr/bin/python3,$(if $(shell $(p) -c 
 PREFIX ?= /usr/local
 
 REAL ?= float
+SEED ?= 1
+FIRST ?= 0
 ifneq ($(filter-out float double,$(REAL)),)
 $(error REAL=$(REAL): give float or double)
 endif
@@ -36,6 +40,28 @@ tables := build/tables
 name_suffix := -$(name)
 endif
 
+# ---- a board: images, their runs, flash -----------------------------------------------------------------------------
+
+ifneq ($(filter-out host,$(TARGET)),)
+
+TABLE := $(tables)/$(name).c
+OUT := build/$(TARGET)$(real_suffix)$(name_suffix)
+include linker/targets.mk
+all: device
+
+# Soft float is some fifty times slower: a shorter stretch, and the line that it prints says which.
+run: device
+	$(TARGET_RUN) --timeout 600 --line '$(if $(filter hard,$(if $(real_flag),$(DOUBLE),$(FLOAT))),samples=4,samples=2 seconds=10)' $(OUT)/device.elf
+
+digest: device
+	@$(TARGET_RUN) --timeout 600 --line 'digest=1 samples=8 seconds=4 from=2 seed=$(SEED) first=$(FIRST)' $(OUT)/device.elf | grep '^digest '
+
+size: device
+	@$(CROSS)size $(OUT)/device.elf
+	@$(TARGET_RUN_COUNTING) --timeout 600 --line 'count=1' $(OUT)/device.elf | grep '^per step'
+
+else
+
 # ---- flags ------------------------------------------------------------------------------------------------------
 
 # Equal bits: no contraction, no libm in place of sqrt, and no gcc 12 bug with volatile registers (where the flag is known).
@@ -48,6 +74,12 @@ machine := $(shell $(CC) -dumpmachine)
 # ---- the host program -------------------------------------------------------------------------------------------
 
 dir := build/host$(real_suffix)$(name_suffix)
+
+# Flags in a file of their own: another CC or CFLAGS rebuilds.
+$(dir)/flags: FORCE
+	@mkdir -p $(@D); echo '$(CC) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(required)' | cmp -s - $@ || echo '$(CC) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(required)' > $@
+FORCE:
+
 kernel := $(patsubst firmware/%.c,%,$(wildcard firmware/*.c firmware/link/*.c))
 table_objects := $(dir)/tables/$(name).o $(dir)/tables/$(name)_shapes.o
 
@@ -62,55 +94,63 @@ sse2_flags := -msse2 -DKELLY_VECTORS=6 -DKELLY_WIDTH=$(if $(real_flag),2,4)
 avx2_flags := -mavx2 -mno-fma -DKELLY_VECTORS=6 -DKELLY_WIDTH=$(if $(real_flag),4,8)
 avx512_flags := -mavx512f -mavx512dq -mavx512vl -mprefer-vector-width=512 -mno-fma -DKELLY_VECTORS=4 -DKELLY_WIDTH=$(if $(real_flag),8,16)
 vector_flags := -DKELLY_VECTORS=4 -DKELLY_WIDTH=$(if $(real_flag),2,4)
-lane_files := integrator ensemble
+lane_files := integrator block ensemble
 
 library := $(kernel:%=$(dir)/%.o) $(foreach e,$(engines),$(lane_files:%=$(dir)/$(e)/%.o))
 host_objects := $(patsubst host/%.c,$(dir)/host/%.o,$(wildcard host/*.c))
 
-ifeq ($(filter-out host,$(TARGET)),)
 all: $(dir)/kelly                             ## build build/host/kelly (needs a C compiler and make)
 
 $(dir)/kelly: $(host_objects) $(library) $(table_objects)
-	$(CC) $(CFLAGS) -pthread $(LDFLAGS) $^ -lm -o $@
-endif
+	$(Q)$(CC) $(CFLAGS) -pthread $(LDFLAGS) $(filter %.o,$^) -lm -o $@
 
-$(dir)/%.o: firmware/%.c
-	@mkdir -p $(@D)
-	$(CC) $(CPPFLAGS) $(CFLAGS) $(warnings) $(required) $(real_flag) -MMD -MP -c $< -o $@
+$(dir)/%.o: firmware/%.c $(dir)/flags
+	@mkdir -p $(@D); echo 'CC $<' >&2
+	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) $(warnings) $(required) $(real_flag) -MMD -MP -c $< -o $@
 
-$(dir)/tables/%.o: $(tables)/%.c
-	@mkdir -p $(@D)
-	$(CC) $(CPPFLAGS) $(CFLAGS) $(warnings) $(required) $(real_flag) -Ifirmware/tables -MMD -MP -c $< -o $@
+$(dir)/tables/%.o: $(tables)/%.c $(dir)/flags
+	@mkdir -p $(@D); echo 'CC $<' >&2
+	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) $(warnings) $(required) $(real_flag) -Ifirmware/tables -MMD -MP -c $< -o $@
 
-$(dir)/host/%.o: host/%.c
-	@mkdir -p $(@D)
-	$(CC) $(CPPFLAGS) $(CFLAGS) $(warnings) $(required) $(host_only) $(real_flag) -MMD -MP -c $< -o $@
+$(dir)/host/%.o: host/%.c $(dir)/flags
+	@mkdir -p $(@D); echo 'CC $<' >&2
+	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) $(warnings) $(required) $(host_only) $(real_flag) -MMD -MP -c $< -o $@
 
 define engine_rule
-$(dir)/$(1)/%.o: firmware/%.c
-	@mkdir -p $$(@D)
-	$$(CC) $$(CPPFLAGS) $$(CFLAGS) $$(warnings) $$(required) $$(real_flag) $$($(1)_flags) -DKELLY_ISA=$(1) -MMD -MP -c $$< -o $$@
+$(dir)/$(1)/%.o: firmware/%.c $(dir)/flags
+	@mkdir -p $$(@D); echo 'CC $$< for $(1)' >&2
+	$(Q)$$(CC) $$(CPPFLAGS) $$(CFLAGS) $$(warnings) $$(required) $$(real_flag) $$($(1)_flags) -DKELLY_ISA=$(1) -MMD -MP -c $$< -o $$@
 endef
 $(foreach e,$(engines),$(eval $(call engine_rule,$(e))))
-
-ifneq ($(tables),firmware/tables)
-build/tables/%_shapes.c: build/tables/%.c ;
-build/tables/$(name).c: $(WELL) $(wildcard gen/*.py)
-	@mkdir -p build/tables
-	$(PYTHON) gen $(WELL) --out build/tables
-endif
 
 .SECONDARY:
 -include $(wildcard $(dir)/*.d $(dir)/*/*.d)
 
-# ---- what people run --------------------------------------------------------------------------------------------
-
-run: $(dir)/kelly                             ## the main job: both rocks of the paper, P with its interval
+run: $(dir)/kelly                             ## the main job: both rocks of the paper, P with its interval; TARGET=NAME: on a board
 	@echo "hard rock, mu = 0.04 (the paper: 100 %)"
 	@$(dir)/kelly montecarlo --mu 0.04 --samples 4000
 	@echo
 	@echo "soft rock, mu = 0.004 (the paper: 50 %)"
 	@$(dir)/kelly montecarlo --mu 0.004 --samples 4000
+
+digest: $(dir)/kelly                          ## one line: digest of 8 realisations of SEED from FIRST; the same on every TARGET
+	@$(dir)/kelly montecarlo --duration 4 --window 2:4 --mu 0.04 --cov 0.2 --samples 8 --seed $(SEED) --first $(FIRST) | sed -n 's/.*\(digest [0-9a-f]*\).*/\1/p'
+
+endif
+
+# ---- the table of a string of the user's ---------------------------------------------------------------------------
+
+ifneq ($(tables),firmware/tables)
+build/tables/%_shapes.c: build/tables/%.c ;
+build/tables/$(name).c: build/tables/$(name).toml $(wildcard gen/*.py)
+	@$(PYTHON) gen '$(WELL)' --out build/tables --as '$(name)'
+
+# A copy tells another file of the same name from this one.
+build/tables/$(name).toml: FORCE
+	@mkdir -p $(@D); cmp -s '$(WELL)' $@ || cp '$(WELL)' $@ 2>/dev/null || : > $@
+endif
+
+# ---- the rest -----------------------------------------------------------------------------------------------------
 
 tables:                                       ## regenerate firmware/tables from gen/wells/paper.toml (needs numpy)
 	$(PYTHON) gen gen/wells/paper.toml --out firmware/tables
@@ -121,4 +161,4 @@ clean:                                        ## remove build/
 help:                                         ## this list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
 
-.PHONY: all run test tables clean help
+.PHONY: all run digest size test tables clean help

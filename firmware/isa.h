@@ -1,6 +1,6 @@
 /* isa.h - the same source compiled for several vector units in one program.
  *
- * A host build compiles integrator.c and ensemble.c once plainly (one lane, as on a target) and once for each vector
+ * A host build compiles integrator.c, block.c and ensemble.c once plainly (one lane, as on a target) and once for each vector
  * unit with -DKELLY_ISA=name; the external names of those copies get the name as a suffix. host/engine.c picks the
  * widest unit that the processor has. A target build has no KELLY_ISA and no suffix.
  */
@@ -19,6 +19,7 @@
 #define kelly_block_clear KELLY_JOIN(kelly_block_clear, KELLY_ISA)
 #define kelly_block_load KELLY_JOIN(kelly_block_load, KELLY_ISA)
 #define kelly_block_advance KELLY_JOIN(kelly_block_advance, KELLY_ISA)
+#define kelly_block_resync KELLY_JOIN(kelly_block_resync, KELLY_ISA)
 #define kelly_block_watch KELLY_JOIN(kelly_block_watch, KELLY_ISA)
 #define kelly_block_speed KELLY_JOIN(kelly_block_speed, KELLY_ISA)
 #define kelly_block_extremes KELLY_JOIN(kelly_block_extremes, KELLY_ISA)

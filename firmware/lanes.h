@@ -79,9 +79,7 @@ KELLY_INLINE vreal vmax(vreal a, vreal b) { return (vreal)KELLY_X86(max_ps)(a, b
 #if KELLY_WIDTH == 1
 KELLY_INLINE vreal vclamp(vreal x, real limit)
 {
-    const real size = x < 0 ? -x : x;
-
-    return size > limit ? (x < 0 ? -limit : limit) : x;
+    return KELLY_ABS(x) > limit ? (x < 0 ? -limit : limit) : x;
 }
 #else
 KELLY_INLINE vreal vclamp(vreal x, real limit) { return vmax(vsplat(-limit), vmin(vsplat(limit), x)); }

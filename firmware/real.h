@@ -24,9 +24,11 @@
 #ifdef KELLY_DOUBLE
 typedef double real;
 #define R(x) ((real)(x))
+#define KELLY_ABS(x) __builtin_fabs(x)    /* the sign bit cleared: an instruction, no libm */
 #else
 typedef float real;
 #define R(x) ((real)(x##f))
+#define KELLY_ABS(x) __builtin_fabsf(x)
 #endif
 
 #if defined(KELLY_DOUBLE) || __STDC_HOSTED__

@@ -1,5 +1,6 @@
 #include "realisation.h"
 
+#include "detmath.h"
 #include "random.h"
 
 #define REAL_AXIS R(2.785)       /* RK4 stability on the negative real axis: 2.78529 */
@@ -110,11 +111,12 @@ kelly_status kelly_realise(const kelly_table *table, const kelly_case *run, cons
 
 real kelly_largest_step(const kelly_table *table, const kelly_case *run, const kelly_draw *draw, const kelly_modes *modes)
 {
-    real lambda, w2, h;
+    real lambda, w2, on_real, on_imaginary;
 
     fastest(table, run, draw, modes, &lambda, &w2);
-    h = REAL_AXIS / lambda;
-    return h * h * w2 <= IMAGINARY_AXIS * IMAGINARY_AXIS ? h : IMAGINARY_AXIS * IMAGINARY_AXIS / (w2 * h);
+    on_real = REAL_AXIS / lambda;
+    on_imaginary = IMAGINARY_AXIS * R(0.999999) * (real)kelly_sqrt32((float)(1 / w2));   /* a float's rounding below it */
+    return on_real < on_imaginary ? on_real : on_imaginary;
 }
 
 int kelly_lifts_off(const kelly_case *run, const kelly_draw *draw)

@@ -41,14 +41,15 @@ def _arguments(argv):
 
 def generate(path, base=None):
     """-> ({file name: text}, lines of the certificate). Raises WellError."""
+    import well as well_
+    well = well_.parse(_read(path))
+
+    # numpy from here on: a bad file is told without waiting for it
     import bars
     import certify
     import emit_c
     import reduce
     import stability
-    import well as well_
-
-    well = well_.parse(_read(path))
     chain = bars.build(well)
     try:
         reduction = reduce.reduce(well, chain)
@@ -115,14 +116,11 @@ def write(directory, files):
 def main(argv):
     options = _arguments(argv)
     try:
-        import numpy  # noqa: F401
-        import tomllib  # noqa: F401
+        import well as well_
+        files, certificate = generate(options.well, options.base)
     except ImportError as error:
         return _fail(f"kelly gen: {sys.executable} has no {error.name}: expected Python 3.11 or later with numpy "
                      "(Debian: /usr/bin/python3 and python3-numpy)", 1)
-    import well as well_
-    try:
-        files, certificate = generate(options.well, options.base)
     except well_.WellError as error:
         return _fail(well_.message(error, options.well, _text(options.well)))
     try:

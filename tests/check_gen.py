@@ -30,7 +30,8 @@ import well as well_                        # noqa: E402
 PAPER = os.path.join(ROOT, "gen", "wells", "paper.toml")
 TABLES = os.path.join(ROOT, "firmware", "tables")
 WELLS = [os.path.join(ROOT, "tests", "wells", name) for name in ("three.toml", "short.toml", "one-mode.toml")]
-CFLAGS = "-std=c11 -pedantic -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Wundef -Werror -fsyntax-only".split()
+CFLAGS = ("-std=c11 -pedantic -Wall -Wextra -Wconversion -Wdouble-promotion -Wshadow -Wundef -Werror "
+          "-fsyntax-only").split()
 count = {True: 0, False: 0}
 
 

@@ -45,7 +45,7 @@ static void is_odd_and_resists(void)
 static void is_bounded(void)
 {
     const real bound = R(4000.0) * (R(1.0) + R(3.0) / (R(2.0) * R(1.5))) * R(1.000001);
-    const volatile real far = R(1e15);
+    const volatile real far = R(1e9);
     int bounded = 1;
 
     for (int k = 0; k < POINTS; k++) {

@@ -21,7 +21,7 @@ typedef union { float value; uint32_t bits; } bits_of_float;
 #define GOLDEN(single, twofold) (twofold)
 #else
 #define ULP 0x1p-24f
-#define TANH_ERROR R(4.3e-7)
+#define TANH_ERROR R(4.5e-7)
 #define GOLDEN(single, twofold) (single)
 #endif
 #define SWEEP (CHECK_LONG ? 1000000u : 2000u)

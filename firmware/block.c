@@ -1,0 +1,202 @@
+/* block.c - set up a block, put realisations into its lanes, read them. The stepping is in integrator.c. */
+#include "form_m.h"
+
+#define F_OFFSET R(0.01)          /* constant part of f_a / f0, eq. (F) */
+#define QUARTER_TURN ((uint64_t)1 << 62)
+#define SANE R(1e12)              /* states beyond are not physical: xi and zeta reach some 1e7 */
+
+/* In float the terms be w^2 T1/24 of xi and be w^2 X/4 of y4 lie below half an ulp of what they are added to as long as
+ * be w^2 < 24 * 2^-24; the paper's ten modes at 1 ms have 7e-7. Then they are left out. Never in double. */
+#define NEGLIGIBLE R(1.4e-6)
+
+static real larger(real a, real b)
+{
+    return a > b ? a : b;
+}
+
+void kelly_block_clear(kelly_block *block, const kelly_table *table, const kelly_case *run, unsigned lanes)
+{
+    const real h = kelly_step_seconds(run);
+    const real *const top = &table->w2[(run->torsional - 1u) * (table->degree + 1u)];
+    const real w = h * h * larger(kelly_poly(top, table->degree, R(1.0)), kelly_poly(top, table->degree, R(-1.0)));
+
+    *block = (kelly_block){ 0 };   /* a lane without a realisation stands still: no torque, never a NaN */
+    block->h = h;
+    block->al = table->alpha * h;
+    block->be = table->beta / h;
+    block->modes = run->torsional;
+    block->vectors = (lanes + KELLY_WIDTH - 1) / KELLY_WIDTH;
+    block->full = sizeof(real) > sizeof(float) || block->be * w * w >= NEGLIGIBLE;
+}
+
+/* Coefficients of one mode of one lane: D by Horner's rule in A, outputs with g h/6 in them. */
+static void load_mode(kelly_mode *mode, unsigned l, const kelly_block *block, real w, real g)
+{
+    const real al = block->al, be = block->be, c = al + be * w, gk = g * block->h / R(6.0);
+    const real a00 = -(w * be), a01 = -w, a10 = R(1.0) - al * be, a11 = -al;
+    const real z0 = gk * ((R(1.0) - c * be) * a00 - c * a10), z1 = gk * ((R(1.0) - c * be) * a01 - c * a11);
+    real d00 = 0, d01 = 0, d10 = 0, d11 = 0;
+
+    for (int k = 4; k > 0; k--) {                       /* D <- (A + A D) / k */
+        const real r = (real)k;
+        const real n00 = (a00 + (a00 * d00 + a01 * d10)) / r, n01 = (a01 + (a00 * d01 + a01 * d11)) / r;
+        const real n10 = (a10 + (a10 * d00 + a11 * d10)) / r, n11 = (a11 + (a10 * d01 + a11 * d11)) / r;
+
+        d00 = n00;
+        d01 = n01;
+        d10 = n10;
+        d11 = n11;
+    }
+    LANE(mode->w, l) = w;
+    LANE(mode->d00, l) = d00;
+    LANE(mode->d01, l) = d01;
+    LANE(mode->d10, l) = d10;
+    LANE(mode->d11, l) = d11;
+    LANE(mode->m0, l) = gk * (R(1.0) - c * be) + be * z0;
+    LANE(mode->m1, l) = be * z1 - gk * c;
+    LANE(mode->m2, l) = z0;
+    LANE(mode->m3, l) = z1;
+}
+
+/* Start of one mode: Q = 0 at tick 0, so Q against the drag equilibrium is al w0 (d/b) / w; Q' = -(d/b) w0 from rest, 0 if turning. */
+static void start_mode(kelly_mode *mode, unsigned l, const kelly_block *block, real w, real d_over_b, real w0, int rotating)
+{
+    const real scale = R(6.0) / block->h, c = block->al + block->be * w;
+    const real speed = rotating ? 0 : -(d_over_b * w0);
+    const real q = block->al * w0 * d_over_b / w;
+    const real xi = scale * (speed + c * q);
+
+    LANE(mode->xi, l) = xi;
+    LANE(mode->zeta, l) = scale * q - block->be * xi;
+}
+
+static void load_modes(kelly_block *block, unsigned lane, const kelly_modes *modes, const kelly_draw *draw, int rotating)
+{
+    const unsigned v = lane / KELLY_WIDTH, l = lane % KELLY_WIDTH;
+    kelly_lane *const out = &block->lane[v];
+    const real h = block->h;
+    real sum_g = 0, sum_gc = 0, sum_gcc = 0;
+
+    for (unsigned i = 0; i < modes->count; i++) {
+        const real w = h * h * modes->w2[i], g = modes->b[i] * modes->b[i], c = block->al + block->be * w;
+
+        load_mode(&block->mode[v][i], l, block, w, g);
+        start_mode(&block->mode[v][i], l, block, w, modes->d[i] / modes->b[i], draw->w0, rotating);
+        sum_g += g;
+        sum_gc += g * c;
+        sum_gcc += g * (c * c - w);
+    }
+    LANE(out->g1, l) = R(0.5) * h * sum_g;
+    LANE(out->g2, l) = R(-0.25) * h * sum_gc;
+    LANE(out->g3, l) = R(0.25) * h * sum_gcc;
+}
+
+static void watch(kelly_lane *lane)
+{
+    lane->lowest = lane->y1;
+    lane->highest = lane->y1;
+}
+
+void kelly_block_load(kelly_block *block, unsigned lane, const kelly_case *run,
+                      const kelly_draw *draw, const kelly_modes *modes)
+{
+    const unsigned l = lane % KELLY_WIDTH;
+    const uint64_t step = kelly_phase_step(draw->w0, run->step_ns);
+    const real half_sine = kelly_sin_turn(step / 2);
+    kelly_lane *const out = &block->lane[lane / KELLY_WIDTH];
+    sums sum = { .x = vsplat(0) };
+
+    block->phase_step[lane] = step;
+    LANE(out->w0, l) = draw->w0;
+    LANE(out->a1, l) = draw->a1;
+    LANE(out->a2, l) = draw->a2;
+    LANE(out->muf_mean, l) = draw->mu * (F_OFFSET * run->f0 - draw->fc);
+    LANE(out->muf_swing, l) = draw->mu * run->f0;
+    LANE(out->sine_k, l) = 4 * half_sine * half_sine;
+    LANE(out->sine_half, l) = R(0.5) / kelly_sin_turn(step / 2 + QUARTER_TURN);
+    load_modes(block, lane, modes, draw, run->rotating);
+    for (unsigned i = 0; i < block->modes; i++) {
+        add_outputs(&sum, &block->mode[lane / KELLY_WIDTH][i], 1);
+    }
+    stage_speeds(out, &sum, block->al, block->be, 1);
+    kelly_block_resync(block, lane);
+    watch(out);
+}
+
+void kelly_block_watch(kelly_block *block)
+{
+    for (unsigned v = 0; v < KELLY_VECTORS; v++) {
+        watch(&block->lane[v]);
+    }
+}
+
+real kelly_block_speed(const kelly_block *block, unsigned lane)
+{
+    return LANE(block->lane[lane / KELLY_WIDTH].y1, lane % KELLY_WIDTH);
+}
+
+real kelly_block_sine(const kelly_block *block, unsigned lane)
+{
+    return LANE(block->lane[lane / KELLY_WIDTH].sine, lane % KELLY_WIDTH);
+}
+
+void kelly_block_extremes(const kelly_block *block, unsigned lane, real *lowest, real *highest)
+{
+    *lowest = LANE(block->lane[lane / KELLY_WIDTH].lowest, lane % KELLY_WIDTH);
+    *highest = LANE(block->lane[lane / KELLY_WIDTH].highest, lane % KELLY_WIDTH);
+}
+
+/* Q [s units of h undone] and Q' of mode i against the drag equilibrium. */
+static void scaled_state(const kelly_block *block, unsigned lane, unsigned i, real w2, real *q, real *speed)
+{
+    const kelly_mode *const mode = &block->mode[lane / KELLY_WIDTH][i];
+    const real scale = block->h / R(6.0);
+    const real xi = scale * LANE(mode->xi, lane % KELLY_WIDTH), zeta = scale * LANE(mode->zeta, lane % KELLY_WIDTH);
+    const real over_h = zeta + block->be * xi;
+
+    *q = block->h * over_h;
+    *speed = xi - (block->al + block->be * (block->h * block->h * w2)) * over_h;
+}
+
+void kelly_block_modal(const kelly_block *block, unsigned lane, const kelly_modes *modes, const kelly_table *table,
+                       real q[KELLY_MODES_MAX], real v[KELLY_MODES_MAX])
+{
+    const real w0 = LANE(block->lane[lane / KELLY_WIDTH].w0, lane % KELLY_WIDTH);
+
+    for (unsigned i = 0; i < modes->count; i++) {
+        real shifted, speed;
+
+        scaled_state(block, lane, i, modes->w2[i], &shifted, &speed);
+        q[i] = modes->b[i] * shifted - table->alpha * modes->d[i] * w0 / modes->w2[i];
+        v[i] = modes->b[i] * speed;
+    }
+}
+
+real kelly_block_twist(const kelly_block *block, unsigned lane, const kelly_modes *modes)
+{
+    real twist = 0;
+
+    for (unsigned i = 0; i < modes->count; i++) {
+        real shifted, speed;
+
+        scaled_state(block, lane, i, modes->w2[i], &shifted, &speed);
+        twist += modes->b[i] * modes->b[i] * shifted;
+    }
+    return twist;
+}
+
+static int sane(real x)
+{
+    return x > -SANE && x < SANE;   /* false for a NaN */
+}
+
+int kelly_block_sane(const kelly_block *block, unsigned lane)
+{
+    const unsigned v = lane / KELLY_WIDTH, l = lane % KELLY_WIDTH;
+    int good = sane(LANE(block->lane[v].lowest, l)) && sane(LANE(block->lane[v].highest, l)) && sane(LANE(block->lane[v].y1, l));
+
+    for (unsigned i = 0; i < block->modes; i++) {
+        good = good && sane(LANE(block->mode[v][i].xi, l)) && sane(LANE(block->mode[v][i].zeta, l));
+    }
+    return good;
+}

@@ -1,0 +1,404 @@
+/* main.c - kelly, its peers and the machine, timed in turns on one core.
+ *
+ *     bench OUT KELLY KELLY_DOUBLE [--long] [--scan] [-- PYTHON peers.py]
+ *
+ * Every round runs every contestant once; the results file gets each one's times. Times are ns of one simulated 1 ms of
+ * one realisation. A peer that does not meet its tolerance is recorded as failed and not timed; the exit status is 1.
+ */
+#include <math.h>
+#include <sched.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "run.h"
+
+#define NOMINAL_ROUNDS 9
+#define DRAWN_ROUNDS 3
+#define SLOW 60.0                /* [ns] peers above run every third round */
+#define CONTESTANTS_MAX 96
+#define SMOOTH 0.05              /* [rpm] error of kelly's RK4 on a realisation that is not chaotic */
+
+/* Somebody who integrates: a peer, kelly on one engine, or a peer behind the pipe. */
+typedef struct {
+    const peer *who;
+    const side *kelly;
+    unsigned engine, count;      /* kelly's */
+    char name[80];
+    double ns[NOMINAL_ROUNDS], drawn[DRAWN_ROUNDS];
+    unsigned n, n_drawn;
+    double error;                /* on the nominal realisation [rpm] */
+    double worst;                /* on the drawn ones [rpm] */
+    int good;
+} contestant;
+
+static contestant list[CONTESTANTS_MAX];
+static unsigned contestants;
+static problem nominal, drawn[DRAWS];
+static double *reference, *drawn_reference[DRAWS];
+static FILE *results;
+static FILE *to_python, *from_python;
+static cpu_set_t everywhere;
+
+void record(const char *kind, const char *format, ...)
+{
+    va_list arguments;
+
+    va_start(arguments, format);
+    fprintf(results, "{\"kind\": \"%s\", ", kind);
+    vfprintf(results, format, arguments);
+    fputs("}\n", results);
+    va_end(arguments);
+    fflush(results);
+}
+
+void spread(int out)
+{
+    cpu_set_t one;
+
+    if (out) {
+        sched_setaffinity(0, sizeof(everywhere), &everywhere);
+        return;
+    }
+    sched_getaffinity(0, sizeof(everywhere), &everywhere);
+    CPU_ZERO(&one);
+    CPU_SET(sched_getcpu(), &one);
+    sched_setaffinity(0, sizeof(one), &one);
+}
+
+/* ---- one run of one contestant: ns a step ----------------------------------------------------------------------- */
+
+static double run_peer(const peer *p, const problem *what, const setting *set, const double *against, observer *o)
+{
+    double begin;
+
+    *o = (observer){ .lowest = 1e9, .highest = -1e9, .reference = against };
+    begin = now();
+    p->run(what, set, o);
+    return 1e9 * (now() - begin) / ((double)STEPS * p->lanes);
+}
+
+static double run_kelly(const contestant *c)
+{
+    const double begin = now();
+
+    c->kelly->run(c->engine, -1.0, MODES, STEPS, 0, c->count);
+    return 1e9 * (now() - begin) / ((double)STEPS * c->count);
+}
+
+/* The other side times itself, on the same core, and answers "ns error_rpm". */
+static double run_python(contestant *c)
+{
+    double ns = (double)NAN;
+
+    fprintf(to_python, "%s\n", c->name);
+    fflush(to_python);
+    if (fscanf(from_python, "%lf %lf", &ns, &c->error) != 2) {
+        ns = (double)NAN;
+    }
+    return ns;
+}
+
+static double run_once(contestant *c)
+{
+    observer o;
+
+    return c->kelly ? run_kelly(c) : c->who ? run_peer(c->who, &nominal, &c->who->set, 0, &o) : run_python(c);
+}
+
+/* ---- who takes part --------------------------------------------------------------------------------------------- */
+
+static contestant *add(const char *name)
+{
+    contestant *const c = &list[contestants++];
+
+    if (contestants > CONTESTANTS_MAX) {
+        abort();
+    }
+    snprintf(c->name, sizeof(c->name), "%s", name);
+    return c;
+}
+
+static void add_kelly(const side *s)
+{
+    unsigned width, lanes;
+    const char *engine;
+
+    for (unsigned e = 0; (engine = s->engine(e, &width, &lanes)) != 0; e++) {
+        char name[80];
+
+        for (unsigned count = lanes;; count = 1) {
+            contestant *c;
+
+            snprintf(name, sizeof(name), "kelly %s, %s, %u", s->precision, engine, count);
+            c = add(name);
+            c->kelly = s;
+            c->engine = e;
+            c->count = count;
+            if (count == 1) {
+                break;
+            }
+        }
+    }
+}
+
+static const peer *const peers[] = {
+    textbook_O2, textbook_O3, textbook_fast, own_double_O2, own_double_O3, own_float_O2, own_float_O3, lanes_double, lanes_float,
+    gsl_O2, gsl_O3, gsl_fast, sundials_O2, sundials_O3, sundials_fast, boost_O2, boost_O3, boost_fast,
+};
+
+static void add_peers(void)
+{
+    for (size_t i = 0; i < sizeof(peers) / sizeof(peers[0]); i++) {
+        for (const peer *p = peers[i]; p->name; p++) {
+            add(p->name)->who = p;
+        }
+    }
+}
+
+/* Start the other side and ask who is there: a line each, then an empty one. */
+static void add_python(char **command)
+{
+    int ours[2], theirs[2];
+    char line[80];
+
+    if (pipe(ours) != 0 || pipe(theirs) != 0) {
+        return;
+    }
+    if (fork() == 0) {
+        dup2(ours[0], STDIN_FILENO);
+        dup2(theirs[1], STDOUT_FILENO);
+        close(ours[1]);
+        close(theirs[0]);
+        execvp(command[0], command);
+        _exit(127);
+    }
+    close(ours[0]);
+    close(theirs[1]);
+    to_python = fdopen(ours[1], "w");
+    from_python = fdopen(theirs[0], "r");
+    fwrite(&nominal, sizeof(nominal), 1, to_python);
+    fwrite(reference, sizeof(*reference), STEPS * FINE + 1, to_python);
+    fflush(to_python);
+    while (fgets(line, sizeof(line), from_python) && line[0] != '\n') {
+        line[strcspn(line, "\n")] = '\0';
+        add(line);
+    }
+}
+
+/* ---- the contest ------------------------------------------------------------------------------------------------ */
+
+/* The nominal realisation and the first drawn ones that are not chaotic, with their references. */
+static void choose_problems(void)
+{
+    unsigned found = 0;
+
+    side_double.problem(-1, &nominal);
+    reference = make_reference(&nominal);
+    for (long j = 0; found < DRAWS; j++) {
+        side_double.problem(j, &drawn[found]);
+        drawn_reference[found] = make_reference(&drawn[found]);
+        if (side_double.trace(j, drawn_reference[found]) < SMOOTH * RPM) {
+            found++;
+        } else {
+            free(drawn_reference[found]);
+        }
+    }
+}
+
+/* Nobody's time counts before the trajectory is right. Returns the number of failures. */
+static unsigned check_all(void)
+{
+    unsigned failed = 0;
+
+    for (unsigned i = 0; i < contestants; i++) {
+        contestant *const c = &list[i];
+        double limit = c->kelly ? (c->kelly == &side_float ? 0.05 : 0.03) : 0.03;
+        observer o;
+
+        if (c->kelly) {
+            c->error = c->kelly->trace(-1, reference) / RPM;
+        } else if (c->who) {
+            run_peer(c->who, &nominal, &c->who->set, reference, &o);
+            c->error = o.steps > 1 ? o.error / RPM : (double)NAN;
+            limit = c->who->limit;
+        } else {
+            c->ns[c->n++] = run_python(c);
+        }
+        c->good = c->error <= limit;
+        if (!c->good) {
+            fprintf(stderr, "FAILED  %s (%s): %g rpm from the reference, %g allowed\n", c->name, c->who ? c->who->flags : "", c->error, limit);
+            failed++;
+        }
+    }
+    return failed;
+}
+
+static void check_digests(const side *s)
+{
+    unsigned width, lanes;
+    const char *engine;
+
+    for (unsigned e = 0; (engine = s->engine(e, &width, &lanes)) != 0; e++) {
+        record("digest", "\"real\": \"%s\", \"engine\": \"%s\", \"width\": %u, \"lanes\": %u, \"digest\": \"%08x\"", s->precision, engine, width,
+               lanes, s->run(e, -1.0, MODES, STEPS, 0, 96));
+    }
+}
+
+static const peak *const peaks[] = { &peak_sse2, &peak_avx2, &peak_avx512, &peak_fma_128, &peak_fma_256, &peak_fma_512 };
+#define PEAKS (sizeof(peaks) / sizeof(peaks[0]))
+static double peak_rates[PEAKS][2][NOMINAL_ROUNDS];
+
+static int usable(const peak *p)
+{
+    return strstr(p->name, "fma") ? __builtin_cpu_supports("fma") && (p->bits < 512 || __builtin_cpu_supports("avx512f"))
+                                  : p->bits == 128 || (p->bits == 256 && __builtin_cpu_supports("avx2")) || (p->bits == 512 && __builtin_cpu_supports("avx512f"));
+}
+
+static void nominal_rounds(void)
+{
+    for (unsigned r = 0; r < NOMINAL_ROUNDS; r++) {
+        for (unsigned i = 0; i < contestants; i++) {
+            contestant *const c = &list[i];
+
+            if (c->good && (r % 3 == 0 || c->n == 0 || c->ns[0] < SLOW)) {
+                c->ns[c->n < NOMINAL_ROUNDS ? c->n++ : 0] = run_once(c);
+            }
+        }
+        for (unsigned p = 0; p < PEAKS; p++) {
+            peak_rates[p][0][r] = usable(peaks[p]) ? peaks[p]->float_rate(0.01) : 0;
+            peak_rates[p][1][r] = usable(peaks[p]) ? peaks[p]->double_rate(0.01) : 0;
+        }
+        fprintf(stderr, "\rround %u of %u  ", r + 1, NOMINAL_ROUNDS);
+    }
+    for (unsigned p = 0; p < PEAKS; p++) {
+        if (usable(peaks[p])) {
+            record("peak", "\"unit\": \"%s\", \"bits\": %u, \"float\": %.2f, \"double\": %.2f", peaks[p]->name, peaks[p]->bits,
+                   median(peak_rates[p][0], NOMINAL_ROUNDS), median(peak_rates[p][1], NOMINAL_ROUNDS));
+        }
+    }
+}
+
+/* Whether no other build of the same peer was faster. */
+static int best_build(const contestant *c)
+{
+    for (unsigned i = 0; i < contestants; i++) {
+        if (strcmp(list[i].name, c->name) == 0 && list[i].good && median(list[i].ns, list[i].n) < median(c->ns, c->n)) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* The same peers at their best flags and the same settings over the drawn realisations: adaptive ones take other steps there. */
+static void drawn_rounds(void)
+{
+    for (unsigned r = 0; r < DRAWN_ROUNDS; r++) {
+        for (unsigned i = 0; i < contestants; i++) {
+            contestant *const c = &list[i];
+            double sum = 0;
+            observer o;
+
+            if (!c->who || !c->good || !best_build(c)) {
+                continue;
+            }
+            for (unsigned j = 0; j < DRAWS; j++) {
+                if (r == 0) {
+                    run_peer(c->who, &drawn[j], &c->who->set, drawn_reference[j], &o);
+                    c->worst = o.error / RPM > c->worst ? o.error / RPM : c->worst;
+                }
+                sum += run_peer(c->who, &drawn[j], &c->who->set, 0, &o);
+            }
+            c->drawn[c->n_drawn++] = sum / DRAWS;
+        }
+        fprintf(stderr, "\rdrawn round %u of %u  ", r + 1, DRAWN_ROUNDS);
+    }
+    fputs("\n", stderr);
+}
+
+static void record_contestants(void)
+{
+    for (unsigned i = 0; i < contestants; i++) {
+        const contestant *const c = &list[i];
+        char extra[200] = "";
+
+        if (c->kelly) {
+            unsigned width, lanes;
+
+            snprintf(extra, sizeof(extra), ", \"kelly\": \"%s\", \"engine\": \"%s\", \"count\": %u", c->kelly->precision,
+                     c->kelly->engine(c->engine, &width, &lanes), c->count);
+        } else if (c->n_drawn > 0) {
+            snprintf(extra, sizeof(extra), ", \"drawn_ns\": %.4f, \"drawn_error_rpm\": %.4g", median(c->drawn, c->n_drawn), c->worst);
+        }
+        record("time", "\"name\": \"%s\", \"flags\": \"%s\", \"h\": %g, \"rtol\": %g, \"atol\": %g, \"ok\": %s, \"error_rpm\": %.4g, \"rounds\": %u, \"ns\": %.4f%s",
+               c->name, c->who ? c->who->flags : "", c->who ? c->who->set.h : 1e-3, c->who ? c->who->set.rtol : 0, c->who ? c->who->set.atol : 0,
+               c->good ? "true" : "false", c->error, c->n, c->good ? median(c->ns, c->n) : -1.0, extra);
+    }
+}
+
+/* How the settings of the adaptive peers were found: error and time against their tolerances. */
+static void scan(void)
+{
+    static const double ratios[] = { 0.01, 0.1, 1, 10, 100 };
+
+    for (unsigned i = 0; i < contestants; i++) {
+        const peer *const p = list[i].who;
+
+        if (!p || p->set.rtol <= 0 || strstr(p->flags, "fast") == 0) {
+            continue;
+        }
+        for (unsigned a = 0; a < sizeof(ratios) / sizeof(ratios[0]); a++) {
+            for (double rtol = 1e-2; rtol > 5e-8; rtol *= 0.56234132519034907) {
+                const setting set = { p->set.h, rtol, rtol * ratios[a] };
+                observer o;
+                const double ns = run_peer(p, &nominal, &set, reference, &o);
+
+                printf("%-36s rtol %.2e atol %.2e  %8.4f rpm  %8ld steps  %7.1f ns\n", p->name, set.rtol, set.atol, o.error / RPM, o.steps, ns);
+            }
+        }
+    }
+}
+
+int main(int argc, char **argv)
+{
+    int is_long = 0, is_scan = 0;
+    unsigned failed, width, lanes;
+
+    if (argc < 4 || !(results = fopen(argv[1], "w"))) {
+        fputs("bench OUT KELLY KELLY_DOUBLE [--long] [--scan] [-- PYTHON peers.py]\n", stderr);
+        return 2;
+    }
+    signal(SIGPIPE, SIG_IGN);
+    spread(0);
+    choose_problems();
+    add_kelly(&side_float);
+    add_kelly(&side_double);
+    add_peers();
+    for (int i = 4; i < argc; i++) {
+        is_long = is_long || strcmp(argv[i], "--long") == 0;
+        is_scan = is_scan || strcmp(argv[i], "--scan") == 0;
+        if (strcmp(argv[i], "--") == 0) {
+            add_python(&argv[i + 1]);
+            break;
+        }
+    }
+    if (is_scan) {
+        scan();
+        return 0;
+    }
+    failed = check_all();
+    check_digests(&side_float);
+    check_digests(&side_double);
+    nominal_rounds();
+    drawn_rounds();
+    record_contestants();
+    for (unsigned e = 1; side_float.engine(e, &width, &lanes); e++) {
+        count_steps(&side_float, e);
+        count_steps(&side_double, e);
+    }
+    growth(argv[2], argv[3], is_long);
+    return failed > 0;
+}
