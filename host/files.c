@@ -46,13 +46,24 @@ _Noreturn void die(int status, const char *format, ...)
     exit(status);
 }
 
+/* A device, a pipe or a directory that is there already: nothing to be renamed over. */
+static int special(const char *path)
+{
+    struct stat there;
+
+    return stat(path, &there) == 0 && !S_ISREG(there.st_mode);
+}
+
 void outfile_open(outfile *file, const char *path)
 {
     int fd;
 
     *file = (outfile){ 0 };
-    if (strcmp(path, "-") == 0) {
-        file->stream = stdout;
+    if (strcmp(path, "-") == 0 || special(path)) {
+        file->stream = strcmp(path, "-") == 0 ? stdout : fopen(path, "w");
+        if (!file->stream) {
+            die(EXIT_FAILED, "%s: cannot write here: %s", path, strerror(errno));
+        }
         return;
     }
     file->path = strdup(path);
@@ -78,9 +89,12 @@ void outfile_close(outfile *file)
     const int bad = ferror(file->stream) | fflush(file->stream);
 
     if (bad) {
-        die(EXIT_FAILED, "%s: could not be written: %s", file->path ? file->path : "stdout", strerror(errno));
+        die(EXIT_FAILED, "%s: could not be written: %s", file->path ? file->path : "the output", strerror(errno));
     }
     if (!file->path) {
+        if (file->stream != stdout) {
+            fclose(file->stream);
+        }
         return;
     }
     if (fclose(file->stream) != 0 || rename(file->temporary, file->path) != 0) {

@@ -1,5 +1,5 @@
 /* main.c - the kelly command. */
-#include <stdlib.h>
+#include <errno.h>
 #include <string.h>
 
 #include "host.h"
@@ -27,6 +27,31 @@ static const char usage[] =
     "Exit 0 done, 1 the run failed, 2 bad usage or input.\n"
     "Try first:  kelly montecarlo --mu 0.004\n";
 
+static const struct {
+    const char *name;
+    int (*run)(int argc, char **argv);
+} commands[] = {
+    { "montecarlo", command_montecarlo },
+    { "simulate", command_simulate },
+    { "modes", command_modes },
+};
+
+/* Run a subcommand; results that could not be written are a failure. */
+static int run(int argc, char **argv)
+{
+    for (size_t i = 0; i < sizeof(commands) / sizeof(commands[0]); i++) {
+        if (strcmp(argv[1], commands[i].name) == 0) {
+            const int status = commands[i].run(argc - 2, argv + 2);
+
+            if (fflush(stdout) != 0 || ferror(stdout)) {
+                die(EXIT_FAILED, "the output could not be written: %s", strerror(errno));
+            }
+            return status;
+        }
+    }
+    die(EXIT_USAGE, "'%s' is not a command; give montecarlo, simulate or modes, or see kelly --help", argv[1]);
+}
+
 int main(int argc, char **argv)
 {
     const char *const error = kelly_table_error(&kelly_string);
@@ -48,14 +73,5 @@ int main(int argc, char **argv)
         printf("kelly " KELLY_VERSION " %s %s\n", kelly_string.id, sizeof(real) > 4 ? "double" : "float");
         return EXIT_DONE;
     }
-    if (strcmp(argv[1], "montecarlo") == 0) {
-        return command_montecarlo(argc - 2, argv + 2);
-    }
-    if (strcmp(argv[1], "simulate") == 0) {
-        return command_simulate(argc - 2, argv + 2);
-    }
-    if (strcmp(argv[1], "modes") == 0) {
-        return command_modes(argc - 2, argv + 2);
-    }
-    die(EXIT_USAGE, "'%s' is not a command; give montecarlo, simulate or modes, or see kelly --help", argv[1]);
+    return run(argc, argv);
 }

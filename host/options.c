@@ -27,7 +27,7 @@ static double number(const char *option, const char *text, double lo, double hi,
     errno = 0;
     x = strtod(text, &end);
     if (end == text || *end != '\0' || !isfinite(x) || isspace((unsigned char)text[0])) {
-        die(EXIT_USAGE, "%s %s: not a number; give %s", option, text, right);
+        die(EXIT_USAGE, "%s %s: not a finite number; give %s", option, text, right);
     }
     if (!(x >= lo && x <= hi)) {
         die(EXIT_USAGE, "%s %s: out of range; give %s", option, text, right);

@@ -339,24 +339,25 @@ static void record_contestants(void)
     }
 }
 
-/* How the settings of the adaptive peers were found: error and time against their tolerances. */
+/* How the settings of the adaptive peers were found: error, steps and least time against tolerances and longest step. */
 static void scan(void)
 {
-    static const double ratios[] = { 0.01, 0.1, 1, 10, 100 };
+    static const double ratios[] = { 0.1, 1, 10, 100 }, longest[] = { 1, 5e-3, 4e-3, 3.5e-3, 3e-3 };
 
     for (unsigned i = 0; i < contestants; i++) {
         const peer *const p = list[i].who;
 
-        if (!p || p->set.rtol <= 0 || strstr(p->flags, "fast") == 0) {
-            continue;
-        }
-        for (unsigned a = 0; a < sizeof(ratios) / sizeof(ratios[0]); a++) {
-            for (double rtol = 1e-2; rtol > 5e-8; rtol *= 0.56234132519034907) {
-                const setting set = { p->set.h, rtol, rtol * ratios[a] };
+        for (unsigned k = 0; p && p->set.rtol > 0 && strstr(p->flags, "fast") && k < sizeof(ratios) / sizeof(ratios[0]) * 5; k++) {
+            for (double rtol = 1e-5; rtol > 5e-9; rtol *= 0.56234132519034907) {
+                const setting set = { longest[k % 5], rtol, rtol * ratios[k / 5] };
+                double ns = 1e9;
                 observer o;
-                const double ns = run_peer(p, &nominal, &set, reference, &o);
 
-                printf("%-36s rtol %.2e atol %.2e  %8.4f rpm  %8ld steps  %7.1f ns\n", p->name, set.rtol, set.atol, o.error / RPM, o.steps, ns);
+                for (int again = 0; again < 3; again++) {
+                    ns = fmin(ns, run_peer(p, &nominal, &set, reference, &o));
+                }
+                printf("%-36s h <= %.4g rtol %.2e atol %.2e  %8.4f rpm  %8ld steps  %7.1f ns\n", p->name, set.h, set.rtol, set.atol,
+                       o.error / RPM, o.steps, ns);
             }
         }
     }
