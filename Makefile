@@ -123,6 +123,24 @@ $(dir)/$(1)/%.o: firmware/%.c $(dir)/flags
 endef
 $(foreach e,$(engines),$(eval $(call engine_rule,$(e))))
 
+# ---- tests of the host --------------------------------------------------------------------------------------------
+
+unit_objects := $(patsubst tests/%.c,$(dir)/tests/%.o,tests/main.c tests/check.c tests/fixture.c tests/textbook.c $(wildcard tests/test_*.c))
+engine_objects := $(dir)/host/engine.o $(dir)/host/files.o
+
+unit: $(dir)/unit $(dir)/lanes $(dir)/accuracy
+
+$(dir)/unit: $(unit_objects) $(library) $(table_objects)
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -o $@
+$(dir)/lanes: $(dir)/tests/host_lanes.o $(dir)/tests/check.o $(engine_objects) $(library) $(table_objects)
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -o $@
+$(dir)/accuracy: $(dir)/tests/host_accuracy.o $(dir)/detmath.o $(dir)/random.o
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -lm -o $@
+
+$(dir)/tests/%.o: tests/%.c $(dir)/flags
+	@mkdir -p $(@D); echo 'CC $<' >&2
+	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) $(warnings) $(required) $(host_only) $(real_flag) -DCHECK_LONG=1 -MMD -MP -c $< -o $@
+
 .SECONDARY:
 -include $(wildcard $(dir)/*.d $(dir)/*/*.d)
 
@@ -152,6 +170,10 @@ endif
 
 # ---- the rest -----------------------------------------------------------------------------------------------------
 
+test:                                         ## every gate of `make test`; installs what it needs (Debian packages)
+	@sh tests/install $$(sed -n '/^PACKAGES/,/)/p' tests/gates.py | grep -o '"[^"]*"' | tr -d '"')
+	@python3 tests/gates.py test
+
 tables:                                       ## regenerate firmware/tables from gen/wells/paper.toml (needs numpy)
 	$(PYTHON) gen gen/wells/paper.toml --out firmware/tables
 
@@ -161,4 +183,4 @@ clean:                                        ## remove build/
 help:                                         ## this list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
 
-.PHONY: all run digest size test tables clean help
+.PHONY: all unit run digest size test tables clean help

@@ -6,6 +6,7 @@
 #define KELLY_FIXTURE_H
 
 #include "../firmware/kelly.h"
+#include "check.h"
 #include "textbook.h"
 
 #define FIXTURE_RESULTS 8
@@ -26,8 +27,8 @@ typedef union {
 
 extern fixture_memory fixture;
 
-/* Short runs for boards, long ones where CHECK_LONG is defined (the host). */
-#ifdef CHECK_LONG
+/* Short runs for boards, long ones where CHECK_LONG is 1 (the host). */
+#if CHECK_LONG
 #define BY_LENGTH(brief, lengthy) (lengthy)
 #else
 #define BY_LENGTH(brief, lengthy) (brief)

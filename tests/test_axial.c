@@ -85,9 +85,9 @@ static void no_force_no_motion(void)
 void test_axial(void);
 void test_axial(void)
 {
-    follows_the_solution(R(10.471975512), 2, BY_REAL(BY_LENGTH(5e-6, 5e-5), 5e-9));
-    follows_the_solution(R(5.0), 1, BY_REAL(BY_LENGTH(5e-6, 5e-5), 5e-9));
-    follows_the_solution(R(13.0), 5, BY_REAL(BY_LENGTH(5e-6, 5e-5), 2e-7));
+    follows_the_solution(R(10.471975512), 2, BY_LENGTH(BY_REAL(5e-6, 1e-9), BY_REAL(5e-5, 5e-9)));
+    follows_the_solution(R(5.0), 1, BY_LENGTH(BY_REAL(5e-6, 1e-9), BY_REAL(5e-5, 5e-9)));
+    follows_the_solution(R(13.0), 5, BY_LENGTH(BY_REAL(5e-6, 2e-8), BY_REAL(5e-5, 5e-8)));
     refuses_other_weights();
     no_force_no_motion();
 }

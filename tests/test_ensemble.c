@@ -56,7 +56,7 @@ static void has_its_digest(void)
     EQUAL(digest(0, 2), DIGEST_SHORT);
     run_into(results, UINT64_C(0x123456789abcdef0), UINT32_MAX - 1u, 2);   /* the last two indices there are */
     EQUAL(digest(UINT32_MAX - 1u, 2), DIGEST_LAST);
-#ifdef CHECK_LONG
+#if CHECK_LONG
     random_case(4000);
     run_into(results, 1, 0, 8);
     EQUAL(digest(0, 8), DIGEST_LONG);

@@ -98,8 +98,8 @@ static const struct {
     { 999999, 1000000, W(0.99999442836934482), W(0.99999997468219237) },
 };
 
-/* Double: to 1e-9 of the value. A float board: 2e-4 of it, one part in some thousand of the interval's own width. */
-static const wide relative = sizeof(wide) > sizeof(float) ? W(1e-9) : W(2e-4);
+/* Double: to 1e-9 of the value. A float board: to 4e-4 of it, which n p of some 1e6 in float leave of the exponent. */
+static const wide relative = sizeof(wide) > sizeof(float) ? W(1e-9) : W(4e-4);
 
 static void interval_is_clopper_pearson(void)
 {

@@ -11,9 +11,9 @@
 static wide bound(uint32_t tick)
 {
     if (sizeof(real) > sizeof(float)) {
-        return tick <= 500 ? W(2e-9) : tick <= 5000 ? W(2e-8) : W(1e-6);
+        return tick <= 500 ? W(5e-11) : tick <= 5000 ? W(1e-9) : W(2e-9);
     }
-    return tick <= 500 ? W(5e-4) : tick <= 5000 ? W(2e-3) : W(5e-3);
+    return tick <= 500 ? W(5e-5) : W(3e-4);
 }
 
 static void compare(const kelly_plant *plant, const vector_point *want)
@@ -23,10 +23,10 @@ static void compare(const kelly_plant *plant, const vector_point *want)
 
     kelly_plant_look(plant, &sight);
     CLOSE((wide)sight.bit_speed, (wide)want->bit_speed, within);
-    CLOSE((wide)sight.f_bit, (wide)want->f_bit, BY_REAL(0.1, 1e-5));
-    CLOSE((wide)sight.bit_torque, (wide)want->bit_torque, W(6000.0) * within + BY_REAL(0.1, 1e-6));
-    CLOSE((wide)sight.axial_speed, (wide)want->axial_speed, BY_REAL(5e-5, 1e-9));
-    CLOSE((wide)sight.surface_torque, (wide)want->surface_torque, W(2000.0) * within + BY_REAL(0.5, 1e-6));
+    CLOSE((wide)sight.f_bit, (wide)want->f_bit, BY_REAL(0.1, 1e-8));
+    CLOSE((wide)sight.bit_torque, (wide)want->bit_torque, W(6000.0) * within + BY_REAL(0.1, 1e-8));
+    CLOSE((wide)sight.axial_speed, (wide)want->axial_speed, BY_REAL(5e-5, 2e-11));
+    CLOSE((wide)sight.surface_torque, (wide)want->surface_torque, W(1000.0) * within + BY_REAL(0.2, 1e-7));
 }
 
 static void follow(const vector_run *vector)
@@ -45,7 +45,7 @@ static void follow(const vector_run *vector)
     draw.a2 = vector->a2;
     draw.w0 = vector->w0;
     EQUAL(kelly_plant_start(plant, &kelly_string, &run, &draw), KELLY_OK);
-    for (unsigned k = 0; k < VECTOR_POINTS && vector->point[k].tick <= BY_LENGTH(200u, 100000u); k++) {
+    for (unsigned k = 0; k < VECTOR_POINTS && vector->point[k].tick <= BY_LENGTH(1000u, 100000u); k++) {
         kelly_plant_advance(plant, vector->point[k].tick - tick);
         tick = vector->point[k].tick;
         compare(plant, &vector->point[k]);

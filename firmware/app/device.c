@@ -154,7 +154,9 @@ int main(void)
     kelly_case run;
 
     board_text("kelly " KELLY_VERSION " on " BOARD_NAME "\n");
-    line_ask(line);
+    if (line_ask(line) < 0) {
+        board_text("no answer: the well file's case\n");
+    }
     run = asked_case(line);
     error = error ? error : kelly_case_error(&kelly_string, &run);
     if (error) {

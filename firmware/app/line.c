@@ -10,13 +10,15 @@ int line_ask(char line[LINE_MAX])
     while (board_ticks() - start < LINE_WAIT_MS) {
         int byte = board_read();
 
-        if (byte == '\n' || byte == '\r')
-            break;
+        if (byte == '\n' || byte == '\r') {
+            line[length] = '\0';
+            return length;
+        }
         if (byte >= 0 && length < LINE_MAX - 1)
             line[length++] = (char)byte;
     }
-    line[length] = '\0';
-    return length;
+    line[0] = '\0';
+    return -1;
 }
 
 /* The text after `key=` where a word of the line starts so, 0 where none does. */

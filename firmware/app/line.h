@@ -1,8 +1,9 @@
 /* line.h - a few numbers for a program at run time, over the UART: `seed=1 first=0`.
  *
  * Bytes sent before a UART is up are lost, so the board asks: it prints a line `?` and waits for one line, ended by LF
- * or CR. Whoever runs it answers each `?`, with an empty line where there is nothing to say; no answer within the time
- * means the same. (Under -icount emulated time runs ahead of the host: always answer there.)
+ * or CR. Whoever runs it answers each `?`, with an empty line where there is nothing to say. A board that stands alone
+ * goes on after LINE_WAIT_MS; the time is long because an emulator on a busy machine may be slow to be answered.
+ * (Under -icount emulated time runs ahead of the host: always answer there.)
  */
 #ifndef KELLY_LINE_H
 #define KELLY_LINE_H
@@ -10,9 +11,9 @@
 #include <stdint.h>
 
 #define LINE_MAX 80   /* bytes kept, the final 0 included; the rest of a longer line is dropped */
-#define LINE_WAIT_MS 3000
+#define LINE_WAIT_MS 30000
 
-/* Ask for a line. Returns its length, 0 for an empty one or none. */
+/* Ask for a line. Returns its length, -1 (and an empty line) where none came. */
 int line_ask(char line[LINE_MAX]);
 
 /* The number after `key=`, decimal, modulo 2^64; `otherwise` where the key is not in the line. */

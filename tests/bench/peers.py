@@ -62,6 +62,7 @@ def scipy_peer(method, rtol, atol, longest):
 def numpy_rk4():
     """RK4 at 1 ms over MANY realisations at once, (mode, realisation) arrays, no temporary allocated in the loop."""
     h = 1e-3
+    fc, f0, mu, a1, a2, w0 = (np.full(MANY, x) for x in values[5 * MODES:])     # random for everybody else
     column = [np.repeat(x[:, None], MANY, 1) for x in (w2, c, b, drag)]
     q = np.zeros((MODES, MANY))
     v = np.repeat((-d * w0)[:, None], MANY, 1)

@@ -50,6 +50,7 @@ static void adaptive(const problem *p, const setting *set, observer *o)
 
 extern "C" const peer NAME[] = {
     { "Boost.odeint runge_kutta4", FLAGS, { 1e-3, 0, 0 }, 0.03, 1, fixed },
-    { "Boost.odeint dopri5", FLAGS, { 1, 1e-4, 1e-4 }, 0.03, 1, adaptive },
+    { "Boost.odeint dopri5", FLAGS, { 4.2e-3, 5.6e-5, 5.6e-5 }, 0.03, 1, adaptive },
+    { "Boost.odeint dopri5, step not limited", FLAGS, { 1, 5.6e-7, 5.6e-6 }, 0.03, 1, adaptive },
     { 0, 0, { 0, 0, 0 }, 0, 0, 0 },
 };
