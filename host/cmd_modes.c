@@ -74,7 +74,7 @@ int command_modes(int argc, char **argv)
     options opts;
     spectrum s;
 
-    options_parse(&opts, argc, argv, TAKES_JSON, "modes");
+    options_parse(&opts, argc, argv, TAKES_JSON, "modes", 0, 0);
     spectrum_of(&s);
     if (opts.json) {
         write_json(opts.json, &s);

@@ -175,7 +175,7 @@ int command_montecarlo(int argc, char **argv)
     const double start = now();
     const char *const header = "index,fc_kN,mu,alpha1,alpha2,rpm,bit_min_rpm,bit_max_rpm,bit_mean_rpm,ss,stuck,status,liftoff\n";
 
-    options_parse(&opts, argc, argv, TAKES_CASE | TAKES_ENSEMBLE | TAKES_JSON, "montecarlo");
+    options_parse(&opts, argc, argv, TAKES_CASE | TAKES_ENSEMBLE | TAKES_JSON, "montecarlo", 0, 0);
     engine = engine_choose(opts.engine);
     out.opts = &opts;
     out.engine = engine;

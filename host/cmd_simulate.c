@@ -74,7 +74,7 @@ int command_simulate(int argc, char **argv)
     kelly_status status;
     real lowest = 0, highest = 0;
 
-    options_parse(&opts, argc, argv, TAKES_CASE | TAKES_SIMULATE, "simulate");
+    options_parse(&opts, argc, argv, TAKES_CASE | TAKES_SIMULATE, "simulate", 0, 0);
     if (opts.sample_given) {
         kelly_draw_sample(&opts.run, opts.seed, opts.sample, &draw);
     } else {

@@ -33,9 +33,16 @@ typedef struct {
 /* Options that a subcommand takes, or'ed. */
 enum { TAKES_CASE = 1, TAKES_ENSEMBLE = 2, TAKES_SIMULATE = 4, TAKES_JSON = 8 };
 
-/* Parse argv[0..argc-1] (without the subcommand) for a command that takes `takes`; dies with exit 2 on a mistake.
- * Values start from the nominal case of the table. */
-void options_parse(options *out, int argc, char **argv, unsigned takes, const char *command);
+/* A subcommand's own options: 1 if it knows this name and took the value, 0 if not; dies with exit 2 on a bad value. */
+typedef int (*more_options)(void *context, const char *name, const char *value);
+
+/* Parse argv[0..argc-1] (without the subcommand) for a command that takes `takes` and, where not 0, `more`; dies with
+ * exit 2 on a mistake. Values start from the nominal case of the table. */
+void options_parse(options *out, int argc, char **argv, unsigned takes, const char *command, more_options more, void *context);
+
+/* A finite number in lo..hi, a whole number in lo..hi; die with exit 2, and `right` in the message, on anything else. */
+double option_number(const char *option, const char *text, double lo, double hi, const char *right);
+uint64_t option_whole(const char *option, const char *text, uint64_t lo, uint64_t hi, const char *right);
 
 /* Seconds of a case from its ticks. */
 double case_seconds(const kelly_case *run, uint32_t ticks);

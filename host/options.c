@@ -19,7 +19,7 @@ double case_seconds(const kelly_case *run, uint32_t ticks)
 }
 
 /* A finite number and nothing else; the bounds are part of the message. */
-static double number(const char *option, const char *text, double lo, double hi, const char *right)
+double option_number(const char *option, const char *text, double lo, double hi, const char *right)
 {
     char *end;
     double x;
@@ -35,7 +35,7 @@ static double number(const char *option, const char *text, double lo, double hi,
     return x;
 }
 
-static uint64_t whole(const char *option, const char *text, uint64_t lo, uint64_t hi, const char *right)
+uint64_t option_whole(const char *option, const char *text, uint64_t lo, uint64_t hi, const char *right)
 {
     char *end;
     unsigned long long x;
@@ -71,7 +71,7 @@ static void parse_cov(kelly_case *run, const char *text)
     char copy[256], *save = 0;
 
     if (!strchr(text, '=')) {
-        const float cov = (float)number("--cov", text, 0.0, 0.5, right);
+        const float cov = (float)option_number("--cov", text, 0.0, 0.5, right);
 
         for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
             run->cov[k] = cov;
@@ -89,7 +89,7 @@ static void parse_cov(kelly_case *run, const char *text)
         if (!equals) {
             die(EXIT_USAGE, "--cov %s: '%s' has no '='; give %s", text, part, right);
         }
-        run->cov[law_index(part, (size_t)(equals - part))] = (float)number("--cov", equals + 1, 0.0, 0.5, right);
+        run->cov[law_index(part, (size_t)(equals - part))] = (float)option_number("--cov", equals + 1, 0.0, 0.5, right);
     }
 }
 
@@ -104,8 +104,8 @@ static void parse_window(times *when, const char *text)
     strcpy(copy, text);
     colon = strchr(copy, ':');
     *colon = '\0';
-    when->window[0] = number("--window", copy, 0.0, 1e9, right);
-    when->window[1] = number("--window", colon + 1, 0.0, 1e9, right);
+    when->window[0] = option_number("--window", copy, 0.0, 1e9, right);
+    when->window[1] = option_number("--window", colon + 1, 0.0, 1e9, right);
     when->window_given = 1;
     if (!(when->window[0] < when->window[1])) {
         die(EXIT_USAGE, "--window %s: ends before it begins; give %s", text, right);
@@ -168,32 +168,32 @@ static int parse_case(options *out, times *when, const char *name, const char *v
     kelly_case *const run = &out->run;
 
     if (strcmp(name, "--rpm") == 0) {
-        run->w0 = (real)(number(name, value, 1e-3, 1e4, "top speed in rpm, 0.001..10000") * RPM);
+        run->w0 = (real)(option_number(name, value, 1e-3, 1e4, "top speed in rpm, 0.001..10000") * RPM);
     } else if (strcmp(name, "--wob") == 0) {
-        run->fc = (real)(number(name, value, 1e-3, 1e6, "weight on bit in kN, > 0") * 1000.0);
+        run->fc = (real)(option_number(name, value, 1e-3, 1e6, "weight on bit in kN, > 0") * 1000.0);
     } else if (strcmp(name, "--mu") == 0) {
-        run->mu = (real)number(name, value, 1e-9, 1e3, "a bit-rock factor > 0, e.g. 0.04");
+        run->mu = (real)option_number(name, value, 1e-9, 1e3, "a bit-rock factor > 0, e.g. 0.04");
     } else if (strcmp(name, "--alpha1") == 0) {
-        run->a1 = (real)number(name, value, 1e-9, 1e6, "alpha_1 > 0, e.g. 2");
+        run->a1 = (real)option_number(name, value, 1e-9, 1e6, "alpha_1 > 0, e.g. 2");
     } else if (strcmp(name, "--alpha2") == 0) {
-        run->a2 = (real)number(name, value, 1e-9, 1e6, "alpha_2 > 0, e.g. 1");
+        run->a2 = (real)option_number(name, value, 1e-9, 1e6, "alpha_2 > 0, e.g. 1");
     } else if (strcmp(name, "--f0") == 0) {
-        run->f0 = (real)(number(name, value, 0.0, 1e6, "amplitude of the weight in kN, >= 0") * 1000.0);
+        run->f0 = (real)(option_number(name, value, 0.0, 1e6, "amplitude of the weight in kN, >= 0") * 1000.0);
     } else if (strcmp(name, "--limit") == 0) {
-        run->limit = (real)number(name, value, 0.0, 10.0, "a severity in 0..10, e.g. 0.8");
+        run->limit = (real)option_number(name, value, 0.0, 10.0, "a severity in 0..10, e.g. 0.8");
     } else if (strcmp(name, "--torsional") == 0) {
-        run->torsional = (uint8_t)whole(name, value, 1, kelly_string.torsional, "a number of torsional modes that the table carries, 1..10 or more");
+        run->torsional = (uint8_t)option_whole(name, value, 1, kelly_string.torsional, "a number of torsional modes that the table carries, 1..10 or more");
     } else if (strcmp(name, "--axial") == 0) {
-        run->axial = (uint8_t)whole(name, value, 1, kelly_string.axial, "a number of axial modes that the table carries, the rigid one included, 1..11");
+        run->axial = (uint8_t)option_whole(name, value, 1, kelly_string.axial, "a number of axial modes that the table carries, the rigid one included, 1..11");
     } else if (strcmp(name, "--step") == 0) {
-        when->step = number(name, value, 1e-6, 1.0, "the RK4 step in seconds, 1e-6..1, e.g. 0.001");
+        when->step = option_number(name, value, 1e-6, 1.0, "the RK4 step in seconds, 1e-6..1, e.g. 0.001");
     } else if (strcmp(name, "--duration") == 0) {
-        when->duration = number(name, value, 1e-6, 1e9, "seconds > 0, e.g. 100");
+        when->duration = option_number(name, value, 1e-6, 1e9, "seconds > 0, e.g. 100");
         when->window_given = when->window_given == 1;
     } else if (strcmp(name, "--window") == 0) {
         parse_window(when, value);
     } else if (strcmp(name, "--out-step") == 0) {
-        out->out_step = number(name, value, 1e-6, 1e9, "seconds between output lines, e.g. 0.01");
+        out->out_step = option_number(name, value, 1e-6, 1e9, "seconds between output lines, e.g. 0.01");
     } else if (strcmp(name, "--start") == 0) {
         if (strcmp(value, "rest") != 0 && strcmp(value, "rotating") != 0) {
             die(EXIT_USAGE, "--start %s: unknown; give rest or rotating", value);
@@ -210,18 +210,18 @@ static int parse_random(options *out, const char *name, const char *value, unsig
     if (strcmp(name, "--cov") == 0) {
         parse_cov(&out->run, value);
     } else if (strcmp(name, "--seed") == 0) {
-        out->seed = whole(name, value, 0, UINT64_MAX, "a whole number 0..18446744073709551615");
+        out->seed = option_whole(name, value, 0, UINT64_MAX, "a whole number 0..18446744073709551615");
     } else if (takes & TAKES_SIMULATE && strcmp(name, "--sample") == 0) {
-        out->sample = (uint32_t)whole(name, value, 0, UINT32_MAX, "the index of a realisation, 0..4294967295");
+        out->sample = (uint32_t)option_whole(name, value, 0, UINT32_MAX, "the index of a realisation, 0..4294967295");
         out->sample_given = 1;
     } else if (takes & TAKES_SIMULATE && strcmp(name, "--out") == 0) {
         out->out = value;
     } else if (takes & TAKES_ENSEMBLE && strcmp(name, "--samples") == 0) {
-        out->samples = (uint32_t)whole(name, value, 1, UINT32_MAX, "a number of realisations, 1..4294967295");
+        out->samples = (uint32_t)option_whole(name, value, 1, UINT32_MAX, "a number of realisations, 1..4294967295");
     } else if (takes & TAKES_ENSEMBLE && strcmp(name, "--first") == 0) {
-        out->first = (uint32_t)whole(name, value, 0, UINT32_MAX, "the first index, 0..4294967295");
+        out->first = (uint32_t)option_whole(name, value, 0, UINT32_MAX, "the first index, 0..4294967295");
     } else if (takes & TAKES_ENSEMBLE && strcmp(name, "--threads") == 0) {
-        out->threads = (unsigned)whole(name, value, 1, 1024, "a number of threads, 1..1024");
+        out->threads = (unsigned)option_whole(name, value, 1, 1024, "a number of threads, 1..1024");
     } else if (takes & TAKES_ENSEMBLE && strcmp(name, "--csv") == 0) {
         out->csv = value;
     } else if (takes & TAKES_ENSEMBLE && strcmp(name, "--engine") == 0) {
@@ -233,7 +233,7 @@ static int parse_random(options *out, const char *name, const char *value, unsig
 }
 
 /* One "--name value" or "--name=value"; returns how many arguments it took. */
-static int parse_one(options *out, times *when, int argc, char **argv, unsigned takes, const char *command)
+static int parse_one(options *out, times *when, int argc, char **argv, unsigned takes, const char *command, more_options more, void *context)
 {
     char name[32];
     const char *value = 0, *equals = strchr(argv[0], '=');
@@ -256,6 +256,7 @@ static int parse_one(options *out, times *when, int argc, char **argv, unsigned 
         out->json = value;
         known = 1;
     }
+    known = known || (more && more(context, name, value));
     if (!known) {
         die(EXIT_USAGE, "%s: unknown option %s; see kelly --help", command, name);
     }
@@ -265,7 +266,7 @@ static int parse_one(options *out, times *when, int argc, char **argv, unsigned 
     return equals ? 1 : 2;
 }
 
-void options_parse(options *out, int argc, char **argv, unsigned takes, const char *command)
+void options_parse(options *out, int argc, char **argv, unsigned takes, const char *command, more_options more, void *context)
 {
     const kelly_case *const nominal = &kelly_string.nominal;
     times when = { .step = (double)nominal->step_ns / 1e9, .duration = case_seconds(nominal, nominal->ticks),
@@ -275,7 +276,7 @@ void options_parse(options *out, int argc, char **argv, unsigned takes, const ch
 
     *out = (options){ .run = *nominal, .out_step = 0.01, .seed = 1, .samples = 400 };
     for (int i = 0; i < argc;) {
-        i += parse_one(out, &when, argc - i, &argv[i], takes, command);
+        i += parse_one(out, &when, argc - i, &argv[i], takes, command, more, context);
     }
     settle_times(out, &when);
     if ((uint64_t)out->first + out->samples > (uint64_t)UINT32_MAX + 1) {

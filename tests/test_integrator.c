@@ -133,9 +133,9 @@ static void is_of_fourth_order(void)
     run.mu = R(0.004);
     run.rotating = 1;
 #ifdef KELLY_DOUBLE
-    coarse = at_step(4000000u, BY_LENGTH(1000, 2000));
-    middle = at_step(2000000u, BY_LENGTH(1000, 2000));
-    fine = at_step(1000000u, BY_LENGTH(1000, 2000));
+    coarse = at_step(4000000u, 2000);
+    middle = at_step(2000000u, 2000);
+    fine = at_step(1000000u, 2000);
     CLOSE(kelly_log(fixture_abs(coarse - middle) / fixture_abs(middle - fine)) / W(0.69314718055994531), W(4.0), W(0.05));
 #else
     coarse = at_step(20000000u, 400);
