@@ -20,21 +20,21 @@ typedef struct {
     vreal s0, e1, e2, e3, e4;
 } inputs;
 
-/* A mode comes into registers as one block: with an FPU of its own register file, Cortex-M loads it with one instruction. */
+/* A mode comes into registers as one block, and the pointer goes on: one instruction on a Cortex-M with an FPU. */
 #if defined(__arm__) && defined(__ARM_FP) && !defined(KELLY_DOUBLE) && KELLY_WIDTH == 1
-KELLY_INLINE kelly_mode fetch(const kelly_mode *from)
+KELLY_INLINE kelly_mode fetch(kelly_mode **from)
 {
     register real w __asm("s16"), d00 __asm("s17"), d01 __asm("s18"), d10 __asm("s19"), d11 __asm("s20");
     register real m0 __asm("s21"), m1 __asm("s22"), m2 __asm("s23"), m3 __asm("s24"), xi __asm("s25"), zeta __asm("s26");
 
-    __asm("vldmia %11, {s16-s26}" : "=t"(w), "=t"(d00), "=t"(d01), "=t"(d10), "=t"(d11), "=t"(m0), "=t"(m1), "=t"(m2), "=t"(m3),
-          "=t"(xi), "=t"(zeta) : "r"(from), "m"(*from));
+    __asm("vldmia %0!, {s16-s26}" : "+r"(*from), "=t"(w), "=t"(d00), "=t"(d01), "=t"(d10), "=t"(d11), "=t"(m0), "=t"(m1), "=t"(m2),
+          "=t"(m3), "=t"(xi), "=t"(zeta) : "m"(**from));
     return (kelly_mode){ w, d00, d01, d10, d11, m0, m1, m2, m3, xi, zeta };
 }
 #else
-KELLY_INLINE kelly_mode fetch(const kelly_mode *from)
+KELLY_INLINE kelly_mode fetch(kelly_mode **from)
 {
-    return *from;
+    return *(*from)++;
 }
 #endif
 
@@ -122,14 +122,15 @@ KELLY_INLINE void fourth_torque(const kelly_lane *on, stages *at)
 KELLY_INLINE void finish(kelly_lane *on, kelly_mode *mode, unsigned modes, const stages *at, real al, real be, int full)
 {
     const inputs in = inputs_of(on->t1, at->t2, at->t3, at->t4, al, be);
+    const kelly_mode *const end = mode + modes;
     sums sum = { .x = vsplat(0) };
 
-    for (unsigned i = 0; i < modes; i++) {
-        kelly_mode now = fetch(&mode[i]);
+    while (mode < end) {
+        kelly_mode now = fetch(&mode);
 
         move(&now, &in, full);
-        mode[i].xi = now.xi;
-        mode[i].zeta = now.zeta;
+        mode[-1].xi = now.xi;
+        mode[-1].zeta = now.zeta;
         add_outputs(&sum, &now, full);
     }
     stage_speeds(on, &sum, al, be, full);

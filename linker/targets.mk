@@ -41,7 +41,7 @@ TARGET_NO_MOVE := $(shell echo 'int x;' | $(TARGET_CC) -fno-move-loop-stores -x 
                           echo -fno-move-loop-stores)
 # Last on every line, so that nothing overrides them: the arithmetic is what makes the bits equal.
 TARGET_FIXED := -std=c11 -ffreestanding -ffp-contract=off -fno-math-errno -fno-tree-vectorize $(TARGET_NO_MOVE)
-TARGET_DEFINES := $(if $(filter double,$(REAL)),-DKELLY_DOUBLE) -DBOARD_NAME='"$(TARGET)"' -DBOARD_COUNT_HZ=$(COUNT_HZ)u \
+TARGET_DEFINES := -Ifirmware/tables $(if $(filter double,$(REAL)),-DKELLY_DOUBLE) -DBOARD_NAME='"$(TARGET)"' -DBOARD_COUNT_HZ=$(COUNT_HZ)u \
                   -DBOARD_ICOUNT_SHIFT=$(ICOUNT_SHIFT) $(if $(CPU_HZ),-DBOARD_CPU_HZ=$(CPU_HZ)u)
 TARGET_FLAGS := $(ARCH) $(OPT) -g -ffunction-sections -fdata-sections -fno-common -fcallgraph-info=su $(WARN) $(WERROR) \
                 $(TARGET_DEFINES) -MMD -MP

@@ -86,10 +86,10 @@ static void over_threads(const char *program, const char *precision)
 /* ns of one step of one realisation. */
 static double time_steps(const side *s, unsigned engine, unsigned modes, unsigned count, uint32_t ticks)
 {
-    const double begin = now();
+    const double begin = busy();
 
     s->run(engine, 0.0, modes, ticks, 0, count);
-    return 1e9 * (now() - begin) / ((double)count * ticks);
+    return 1e9 * (busy() - begin) / ((double)count * ticks);
 }
 
 static void over_modes(const side *s, unsigned engine, unsigned lanes)

@@ -32,7 +32,7 @@
     { \
         const name##_vector zero = { 0 }; \
         name##_vector m = zero + (type)0.999999, a = zero + (type)1e-6, x[CHAINS], y[CHAINS]; \
-        const double begin = now(); \
+        const double begin = busy(); \
         double done = 0, took; \
         for (int i = 0; i < CHAINS; i++) { \
             x[i] = zero + (type)1 + (type)i; \
@@ -54,7 +54,7 @@
                 } \
             } \
             done += 2.0 * CHAINS * TURNS; \
-            took = now() - begin; \
+            took = busy() - begin; \
         } while (took < seconds); \
         return 1e-9 * EACH * done * (double)(BITS / 8 / sizeof(type)) / took; \
     }

@@ -49,8 +49,8 @@ static void adaptive(const problem *p, const setting *set, observer *o)
 }
 
 extern "C" const peer NAME[] = {
-    { "Boost.odeint runge_kutta4", FLAGS, { 1e-3, 0, 0 }, 0.03, 1, fixed },
-    { "Boost.odeint dopri5", FLAGS, { 4.2e-3, 5.6e-5, 5.6e-5 }, 0.03, 1, adaptive },
-    { "Boost.odeint dopri5, step not limited", FLAGS, { 1, 5.6e-7, 5.6e-6 }, 0.03, 1, adaptive },
+    { "Boost.odeint runge_kutta4", FLAGS, { 1e-3, 0, 0 }, ERROR_LIMIT, 1, fixed },
+    { "Boost.odeint dopri5", FLAGS, { 4.2e-3, 5.6e-5, 5.6e-5 }, ERROR_LIMIT, 1, adaptive },
+    { "Boost.odeint dopri5, step not limited", FLAGS, { 1, 5.6e-7, 5.6e-6 }, ERROR_LIMIT, 1, adaptive },
     { 0, 0, { 0, 0, 0 }, 0, 0, 0 },
 };

@@ -93,8 +93,8 @@ static void adams(const problem *p, const setting *set, observer *o)
 }
 
 const peer NAME[] = {
-    { "SUNDIALS ERKStep, RK4", FLAGS, { .h = 1e-3 }, 0.03, 1, erk_rk4 },
-    { "SUNDIALS ERKStep, Dormand-Prince 5", FLAGS, { .h = 4e-3, .rtol = 1e-5, .atol = 1e-5 }, 0.03, 1, erk_pair },
-    { "SUNDIALS CVODE, Adams", FLAGS, { .h = 1, .rtol = 5.6e-8, .atol = 5.6e-8 }, 0.03, 1, adams },
+    { "SUNDIALS ERKStep, RK4", FLAGS, { .h = 1e-3 }, ERROR_LIMIT, 1, erk_rk4 },
+    { "SUNDIALS ERKStep, Dormand-Prince 5", FLAGS, { .h = 4e-3, .rtol = 1e-5, .atol = 1e-5 }, ERROR_LIMIT, 1, erk_pair },
+    { "SUNDIALS CVODE, Adams", FLAGS, { .h = 1, .rtol = 5.6e-8, .atol = 5.6e-8 }, ERROR_LIMIT, 1, adams },
     { 0 },
 };

@@ -6,8 +6,11 @@
 
 #define ROUNDS_MAX 64
 
-/* Monotonic clock [s]. */
+/* Monotonic clock [s], for whole programs. */
 double now(void);
+
+/* Processor time of this process [s]: what others take of the core is not counted. */
+double busy(void);
 
 /* Of n <= ROUNDS_MAX values; NaN of none. */
 double median(const double *x, unsigned n);

@@ -40,10 +40,28 @@ static kelly_case hard_rock(double cov, unsigned modes, uint32_t ticks)
     return run;
 }
 
+/* The kernel's own kelly_block_advance of each engine: it is handed the block that begins a kelly_work of that engine. */
+typedef void (*advance_function)(void *block, uint32_t ticks);
+#if defined(__x86_64__)
+void kelly_block_advance_sse2(void *block, uint32_t ticks);
+void kelly_block_advance_avx2(void *block, uint32_t ticks);
+void kelly_block_advance_avx512(void *block, uint32_t ticks);
+static const advance_function advances[ENGINES] = { (advance_function)kelly_block_advance, kelly_block_advance_sse2, kelly_block_advance_avx2,
+                                                    kelly_block_advance_avx512 };
+#else
+void kelly_block_advance_vector(void *block, uint32_t ticks);
+static const advance_function advances[ENGINES] = { (advance_function)kelly_block_advance, kelly_block_advance_vector };
+#endif
+static void *work;
+
+static void advance(unsigned engine, uint32_t ticks)
+{
+    advances[engine](work, ticks);
+}
+
 static uint32_t run_engine(unsigned engine, double cov, unsigned modes, uint32_t ticks, uint32_t first, uint32_t count)
 {
     static kelly_result results[RESULTS_MAX];
-    static void *work;
     const kelly_case run = hard_rock(cov, modes, ticks);
     kelly_tally tally = { 0 };
 
@@ -137,4 +155,4 @@ static const char *engine(unsigned e, unsigned *width, unsigned *lanes)
     return engines[e]->name;
 }
 
-const side SIDE = { .precision = PRECISION, .engine = engine, .run = run_engine, .problem = make_problem, .trace = trace };
+const side SIDE = { .precision = PRECISION, .engine = engine, .run = run_engine, .advance = advance, .problem = make_problem, .trace = trace };

@@ -18,7 +18,7 @@
 
 extern const char __executable_start[], etext[];
 
-/* How often each address of the program was executed; 0 if this system does not let us look. */
+/* How often each address of the program was executed in so many steps; 0 if this system does not let us look. */
 static int walk(const side *s, unsigned engine, unsigned lanes, uint32_t ticks, long sign, long *hits)
 {
     const pid_t child = fork();
@@ -29,11 +29,12 @@ static int walk(const side *s, unsigned engine, unsigned lanes, uint32_t ticks, 
         return 0;
     }
     if (child == 0) {
+        s->run(engine, 0.0, MODES, 100, 0, lanes);
         if (ptrace(PTRACE_TRACEME, 0, 0, 0) != 0) {
             _exit(1);
         }
         raise(SIGSTOP);
-        s->run(engine, 0.0, MODES, ticks, 0, lanes);
+        s->advance(engine, ticks);
         _exit(0);
     }
     waitpid(child, &status, 0);

@@ -17,7 +17,7 @@ typedef double vreal, real;
 
 #ifdef OWN
 #ifdef KELLY_DOUBLE
-#define LIMIT 0.03
+#define LIMIT ERROR_LIMIT
 #define PRECISION "double"
 #else
 #define LIMIT 0.2
@@ -25,7 +25,7 @@ typedef double vreal, real;
 #endif
 #define FIRST(v) ((const real *)&(v))[0]
 #else
-#define LIMIT 0.03
+#define LIMIT ERROR_LIMIT
 #define FIRST(v) (v)
 #endif
 

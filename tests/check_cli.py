@@ -1,0 +1,368 @@
+#!/usr/bin/env python3
+"""check_cli.py - the kelly command as a user meets it: numbers, files, options, mistakes.
+
+usage: tests/check_cli.py [--float build/host/kelly] [--double build/host-double/kelly] [NAME...]
+
+Each claim that fails is one line; the last line is `N passed, N failed`. NAME picks single checks.
+"""
+import argparse
+import csv
+import io
+import json
+import os
+import re
+import shlex
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+
+import numpy as np
+from scipy.stats import beta
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import bad_usage  # noqa: E402
+from second_opinion import RPM, String, crc32c, modes  # noqa: E402
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+PROGRAM = {}
+count = {True: 0, False: 0}
+SIMULATE_HEADER = "time_s,bit_speed_rpm,bit_torque_kNm,wob_kN,bit_axial_speed_m_s,surface_torque_kNm,top_speed_rpm"
+MONTECARLO_HEADER = "index,fc_kN,mu,alpha1,alpha2,rpm,bit_min_rpm,bit_max_rpm,bit_mean_rpm,ss,stuck,status,liftoff"
+
+
+def claim(holds, what):
+    holds = bool(holds)
+    count[holds] += 1
+    if not holds:
+        print(f"FAIL {what}", flush=True)
+    return holds
+
+
+def close(got, want, within, what):
+    away = float(np.max(np.abs(np.asarray(got) - np.asarray(want))))
+    claim(away <= within, f"{what}: off by {away:.3g}, allowed {within:.3g}")
+
+
+# ---- running it
+
+def kelly(real, args, **more):
+    return subprocess.run([PROGRAM[real]] + shlex.split(args), capture_output=True, text=True, check=False, timeout=300, **more)
+
+
+def done(real, args):
+    """Output of a run that must succeed and say nothing on stderr."""
+    result = kelly(real, args)
+    claim(result.returncode == 0 and result.stderr == "", f"{real} {args}: exit {result.returncode}, {result.stderr.strip()!r}")
+    return result.stdout
+
+
+def table(text):
+    return list(csv.DictReader(io.StringIO(text)))
+
+
+def column(rows, name):
+    return np.array([float(row[name]) for row in rows])
+
+
+def simulate(real, args):
+    return table(done(real, "simulate " + args))
+
+
+def report(real, args):
+    """The JSON of a montecarlo run."""
+    return json.loads(done(real, f"montecarlo {args} --json -"))
+
+
+def rows_of(real, args):
+    return table(done(real, f"montecarlo {args} --csv -"))
+
+
+def options(case):
+    return " ".join(f"--{name} {value}" for name, value in case.items())
+
+
+# ---- modes
+
+TABLES = {
+    "torsion_hz": (0.3679, 1.2275, 2.2039, 3.2179, 4.2411, 5.2575, 6.2380, 7.1004, 7.8407, 8.7130),
+    "torsion_prestressed_hz": (0.3681, 1.2281, 2.2049, 3.2194, 4.2431, 5.2599, 6.2407, 7.1028, 7.8435, 8.7168),
+    "axial_hz": (1.4168, 3.0166, 4.7244, 6.4701, 8.2178, 9.9314, 11.5382, 12.9613, 14.3927, 16.0154),
+    "axial_prestressed_hz": (1.4173, 3.0179, 4.7266, 6.4731, 8.2216, 9.9358, 11.5428, 12.9659, 14.3985, 16.0226),
+}
+
+
+def check_modes():
+    """Tables 1 and 2 of the paper, digit by digit."""
+    for real in PROGRAM:
+        text = done(real, "modes")
+        found = json.loads(done(real, "modes --json -"))
+        claim(set(found) == {"model", *TABLES}, f"{real} modes --json: keys {sorted(found)}")
+        for name, printed in TABLES.items():
+            want = [f"{hz:.4f}" for hz in printed]
+            claim([f"{hz:.4f}" for hz in found[name]] == want, f"{real} modes: {name} is not the paper's")
+            claim(any(line.split()[-10:] == want for line in text.splitlines()), f"{real} modes: {name} is not printed as the paper does")
+
+
+# ---- simulate
+
+def check_golden():
+    """The nominal case of model.md; axial speed against its closed form."""
+    times = (0, 5, 10, 20, 50)
+    for real, within, axial_within in (("double", 0.01, 1e-6), ("float", 0.06, 5e-5)):
+        text = done(real, "simulate --step 0.0005 --out-step 5 --duration 50")
+        claim(text.splitlines()[0] == SIMULATE_HEADER, f"{real} simulate: header {text.splitlines()[0]}")
+        rows = {float(row["time_s"]): row for row in table(text)}
+        claim(sorted(rows) == [5.0 * k for k in range(11)], f"{real} simulate: times {sorted(rows)}")
+        picked = [rows[t] for t in times]
+        close(column(picked, "bit_speed_rpm") * RPM, (0.1442639, 22.808388, 17.560572, 0.727388, 5.049398), within * RPM, f"{real} golden bit speed")
+        close(column(picked, "bit_axial_speed_m_s")[1:], (0.598377, 0.467162, 0.395796, 0.730316), 5e-6 + axial_within, f"{real} golden axial speed")
+        close(column(picked, "bit_axial_speed_m_s"), String().axial_speed(times), axial_within, f"{real} axial speed")
+        claim(all(row["top_speed_rpm"] in ("100", "100.000000") or abs(float(row["top_speed_rpm"]) - 100) < 1e-5 for row in picked), f"{real} top speed")
+        at = column(picked, "time_s")
+        close(column(picked, "wob_kN"), 100 - 50 * (np.sin(100 * RPM * at) + 0.01), 1e-9 if real == "double" else 1e-3, f"{real} weight on bit")
+
+
+CASES = (
+    ({"rpm": 120, "wob": 150, "mu": 0.02, "start": "rest"}, 30),
+    ({"rpm": 80, "wob": 60, "mu": 0.004, "start": "rotating"}, 40),
+    ({"rpm": 140, "wob": 200, "mu": 0.04, "alpha1": 1.5, "start": "rest"}, 30),
+    ({"rpm": 60, "wob": 120, "mu": 0.01, "alpha1": 3, "alpha2": 0.5, "f0": 20, "start": "rest"}, 30),
+    ({"rpm": 90, "wob": 40, "mu": 0.02, "start": "rotating"}, 20),
+)
+
+
+def check_other_cases():
+    """Bit speed and surface torque of other cases against an adaptive integration, whose modes come from no table."""
+    for case, horizon in CASES:
+        string, times = String(**case), np.arange(0.0, horizon + 0.1, 2.5)
+        states = string.torsion(times)
+        for real, within in (("double", 0.01), ("float", 0.06)):
+            rows = simulate(real, f"{options(case)} --step 0.0005 --out-step 2.5 --duration {horizon}")
+            close(column(rows, "bit_speed_rpm"), string.bit_speed(states) / RPM, within, f"{real} {case}: bit speed in rpm")
+            close(column(rows, "surface_torque_kNm"), string.surface_torque(times, states) / 1e3, 0.001 if real == "double" else 0.006,
+                  f"{real} {case}: surface torque in kN m")
+            close(column(rows, "bit_axial_speed_m_s"), string.axial_speed(times), 1e-6 if real == "double" else 3e-5, f"{real} {case}: axial speed")
+
+
+def check_order():
+    """Halving the step divides the error by 2^4."""
+    speed = []
+    for step in (0.002, 0.001, 0.0005):
+        rows = simulate("double", f"--mu 0.004 --start rotating --duration 10 --out-step 0.5 --step {step}")
+        speed.append(column(rows, "bit_speed_rpm")[1:])
+    order = np.log2(np.linalg.norm(speed[0] - speed[1]) / np.linalg.norm(speed[1] - speed[2]))
+    close(order, 4.0, 0.05, "order of the integrator")
+
+
+def check_replay():
+    """simulate --sample J is realisation J of montecarlo; the file gets what stdout gets, and a summary is said."""
+    case = "--mu 0.01 --cov 0.2 --seed 7 --duration 6 --window 3:5"
+    for real in PROGRAM:
+        for row in rows_of(real, f"{case} --first 40 --samples 3"):
+            again = simulate(real, f"{case} --sample {row['index']} --out-step 0.001")
+            time_s, speed = column(again, "time_s"), column(again, "bit_speed_rpm")
+            seen = speed[(time_s >= 3.0 - 1e-9) & (time_s <= 5.0 + 1e-9)]
+            claim((seen.min(), seen.max()) == (float(row["bit_min_rpm"]), float(row["bit_max_rpm"])), f"{real} replay of {row['index']}: extremes differ")
+            close((seen.max() - seen.min()) / (seen.max() + seen.min()), float(row["ss"]), 1e-6, f"{real} replay of {row['index']}: ss")
+            close(np.mean(0.5 * (seen[1:] + seen[:-1])), float(row["bit_mean_rpm"]), 2e-3, f"{real} replay of {row['index']}: mean")
+            claim(again[0]["top_speed_rpm"] == row["rpm"], f"{real} replay of {row['index']}: top speed")
+    with tempfile.TemporaryDirectory() as where:
+        said = done("float", f"simulate {case} --sample 40 --out {where}/a.csv")
+        with open(f"{where}/a.csv", encoding="ascii") as file:
+            claim(file.read() == done("float", f"simulate {case} --sample 40"), "simulate --out: another text than on stdout")
+        claim(re.search(r"severity ss = [0-9.]+ .*stick-slip", said), f"simulate --out says {said!r}")
+        claim(os.listdir(where) == ["a.csv"], f"simulate --out leaves {os.listdir(where)}")
+
+
+# ---- montecarlo
+
+def clopper_pearson(k, n, refused=0):
+    hi = k + refused
+    return [beta.ppf(0.025, k, n - k + 1) if k else 0.0, beta.ppf(0.975, hi + 1, n - hi) if hi < n else 1.0]
+
+
+def check_probability():
+    """The paper's 100 % and 50 %; a string that already rotates stays free more often."""
+    for what, lo, hi in (("--mu 0.04", 0.999, 1.0), ("--mu 0.004", 0.46, 0.53), ("--mu 0.004 --start rotating", 0.16, 0.22)):
+        found = {real: report(real, f"{what} --samples 4000") for real in PROGRAM}
+        for real, r in found.items():
+            claim(lo <= r["probability"] <= hi, f"{real} {what}: P = {r['probability']}")
+            claim(r["probability"] == r["stuck"] / (r["samples"] - r["refused"]), f"{real} {what}: P is not stuck / counted")
+            claim(r["ci95"][0] <= r["probability"] <= r["ci95"][1], f"{real} {what}: P outside {r['ci95']}")
+            close(r["ci95"], clopper_pearson(r["stuck"], 4000, r["refused"]), 1e-9, f"{real} {what}: interval")
+            claim(r["refused"] == 0, f"{real} {what}: {r['refused']} refused")
+        claim(abs(found["float"]["stuck"] - found["double"]["stuck"]) <= 4, f"{what}: float and double differ by more than 0.001")
+
+
+KEYS = {"probability", "ci95", "samples", "stuck", "refused", "liftoff", "seed", "first", "digest", "real", "model", "seconds"}
+
+
+def check_report():
+    """Keys of the JSON, columns of the CSV, and the summary all tell one story; the digest is that of the columns."""
+    case = "--mu 0.004 --cov 0.3 --wob 80 --samples 60 --duration 3 --seed 5 --first 1000"
+    for real in PROGRAM:
+        r, text, rows = report(real, case), done(real, f"montecarlo {case}"), rows_of(real, case)
+        claim(KEYS <= set(r), f"{real} --json lacks {KEYS - set(r)}")
+        claim((r["samples"], r["seed"], r["first"], r["real"]) == (60, 5, 1000, real), f"{real} --json: {r}")
+        claim(re.fullmatch(r"[0-9a-f]{8}", r["digest"]) and f"digest {r['digest']}" in text, f"{real} digest {r['digest']}")
+        claim(f"P(stick-slip) = {r['probability']:.4f}" in text, f"{real} summary: {text!r}")
+        claim(",".join(rows[0]) == MONTECARLO_HEADER, f"{real} --csv: header {','.join(rows[0])}")
+        claim([int(row["index"]) for row in rows] == list(range(1000, 1060)), f"{real} --csv: indices")
+        claim(sum(int(row["stuck"]) for row in rows) == r["stuck"], f"{real} --csv: stuck")
+        claim(sum(int(row["liftoff"]) for row in rows) == r["liftoff"] > 0, f"{real} --csv: lift-off")
+        claim(all((float(row["fc_kN"]) < 50.5) == (row["liftoff"] == "1") for row in rows), f"{real} --csv: lift-off of the wrong ones")
+        claim(all((float(row["ss"]) > 0.8) == (row["stuck"] == "1") for row in rows if row["status"] == "ok"), f"{real} --csv: stuck is not ss > 0.8")
+    claim(f"{crc32c(b''.join(map(record, rows_of('float', case)))):08x}" == report("float", case)["digest"], "float digest is not that of the columns")
+
+
+def record(row):
+    """What the digest covers of one realisation, in float: nine digits bring every float back."""
+    units = (("fc_kN", 1e3), ("mu", 1), ("alpha1", 1), ("alpha2", 1), ("rpm", RPM), ("bit_min_rpm", RPM), ("bit_max_rpm", RPM),
+             ("bit_mean_rpm", RPM), ("ss", 1))
+    values = [float(row[name] or 0.0) * unit for name, unit in units]
+    return struct.pack("<I9fB", int(row["index"]), *values, ("ok", "step", "range", "nonfinite").index(row["status"]))
+
+
+def engines():
+    found = kelly("float", "montecarlo --engine none").stderr
+    widest = re.search(r"the widest here is (\w+)", found).group(1)
+    order = ("scalar", "sse2", "avx2", "avx512", "vector")
+    return [e for e in order if kelly("float", f"montecarlo --samples 1 --duration 1 --engine {e}").returncode == 0], widest
+
+
+def check_cuts():
+    """Same digest and same rows for any threads, engine and cut of the range."""
+    case = "--mu 0.004 --duration 4 --seed 11"
+    usable, widest = engines()
+    claim("scalar" in usable and widest in usable and len(usable) >= 2, f"engines {usable}, widest {widest}")
+    for real in PROGRAM:
+        whole = done(real, f"montecarlo {case} --samples 203 --first 50 --csv -").splitlines()
+        digest = report(real, f"{case} --samples 203 --first 50")["digest"]
+        for threads in (1, 2, 5, 64):
+            claim(report(real, f"{case} --samples 203 --first 50 --threads {threads}")["digest"] == digest, f"{real} --threads {threads}: another digest")
+        for engine in usable:
+            r = report(real, f"{case} --samples 203 --first 50 --engine {engine}")
+            claim((r["digest"], r["engine"]) == (digest, engine), f"{real} --engine {engine}: another digest or engine")
+        parts = []
+        for first, samples in ((50, 1), (51, 17), (68, 100), (168, 85)):
+            parts += done(real, f"montecarlo {case} --samples {samples} --first {first} --csv -").splitlines()[1:]
+        claim(parts == whole[1:], f"{real}: rows of the parts differ from the whole")
+        claim(report(real, f"{case} --samples 203 --first 50 --seed 12")["digest"] != digest, f"{real}: another seed, same digest")
+    a, b = (rows_of(real, f"{case} --samples 50") for real in PROGRAM)
+    for name, unit in (("fc_kN", 1e3), ("mu", 1), ("alpha1", 1), ("alpha2", 1), ("rpm", RPM)):
+        claim(np.array_equal(np.float32(unit * column(a, name)), np.float32(unit * column(b, name))), f"{name} differs between float and double")
+
+
+def check_ends():
+    """One sample, the last indices, nothing random."""
+    case = "--duration 1 --mu 0.004"
+    r = report("float", f"{case} --samples 1")
+    close(r["ci95"], clopper_pearson(r["stuck"], 1), 1e-9, "interval of one sample")
+    rows = rows_of("float", f"{case} --first 4294967290 --samples 6")
+    claim([int(row["index"]) for row in rows] == list(range(4294967290, 4294967296)), "the last indices")
+    claim(report("float", f"{case} --samples 3 --seed 18446744073709551615")["seed"] == 18446744073709551615, "the largest seed")
+    rows = rows_of("double", f"{case} --samples 5 --cov 0")
+    claim(len({tuple(list(row.values())[1:]) for row in rows}) == 1 and float(rows[0]["fc_kN"]) == 100.0, "cov 0 is not one realisation")
+    rows = rows_of("double", f"{case} --samples 5 --cov mu=0.1,rpm=0.3")
+    claim(len(set(column(rows, "mu"))) == 5 and len(set(column(rows, "rpm"))) == 5, "named covs are not random")
+    claim(set(column(rows, "fc_kN")) == {100.0} and set(column(rows, "alpha1")) == {2.0}, "covs that are not named are random")
+    small, large = (column(rows_of("float", f"--duration 0.1 --samples 4000 --cov mu={c}"), "mu") for c in (0.05, 0.2))
+    for values, cov in ((small, 0.05), (large, 0.2)):
+        close(values.mean() / 0.04, 1.0, 4 * cov / 4000**0.5, f"mean of mu at cov {cov}")
+        close(values.std() / 0.04 / cov, 1.0, 0.06, f"spread of mu at cov {cov}")
+
+
+def check_refused():
+    """Steps that are too long and weights outside the fit are counted and named; the interval widens; nothing is dropped."""
+    for what, why in (("--step 0.002 --cov 0.4 --samples 300", "step"), ("--wob 900 --cov 0.5 --mu 0.001 --samples 40", "range")):
+        case = f"{what} --duration 2"
+        r, text, rows = report("float", case), done("float", f"montecarlo {case}"), rows_of("float", case)
+        bad = [int(row["index"]) for row in rows if row["status"] == why]
+        claim(0 < len(bad) < len(rows) and r["refused"] == r["refused_by"][why] + sum(v for k, v in r["refused_by"].items() if k != why), f"{what}: {r}")
+        claim(len(bad) == r["refused_by"][why], f"{what}: {len(bad)} rows, {r['refused_by']}")
+        claim([i for i, reason in r["refused_first"] if reason == why] == bad[:100], f"{what}: --json names others")
+        claim(all(f"{i} ({why})" in text for i in bad[:20]), f"{what}: the summary does not name them")
+        close(r["ci95"], clopper_pearson(r["stuck"], r["samples"], r["refused"]), 1e-9, f"{what}: interval")
+        claim(all(row["bit_min_rpm"] == row["ss"] == "" and row["stuck"] == "0" for row in rows if row["status"] != "ok"), f"{what}: results of refused ones")
+        claim(f"{crc32c(b''.join(map(record, rows))):08x}" == r["digest"], f"{what}: digest")
+    r = report("float", "--step 0.02 --out-step 0.02 --samples 5 --duration 2")
+    claim(r["probability"] is None and r["ci95"] == [0, 1], f"all refused: {r['probability']} {r['ci95']}")
+    r = report("float", "--wob 60 --mu 0.004 --samples 400 --duration 1")
+    claim(0.15 <= r["liftoff"] / 400 <= 0.30, f"--wob 60: {r['liftoff']} of 400 lift off, not some 22 %")
+    said = kelly("float", "simulate --step 0.005").stderr
+    step = float(re.search(r"largest safe step is ([0-9.]+) s", said).group(1))
+    claim(0.003 < step < 0.0037, f"largest safe step {step}")
+    claim(kelly("float", f"simulate --step {step} --duration {step * 100} --out-step {step}").returncode == 0, f"its own largest step {step} is refused")
+
+
+def check_convergence():
+    """The convergence function against a computation of its own."""
+    case = "--mu 0.01 --cov 0.2 --samples 3 --duration 4 --out-step 0.01 --step 0.0005 --seed 2"
+    for real, within in (("double", 1e-6), ("float", 2e-4)):
+        found = report(real, f"{case} --convergence")["convergence"]
+        rows = rows_of(real, case)
+        each = [String(wob=float(row["fc_kN"]), mu=float(row["mu"]), alpha1=float(row["alpha1"]), alpha2=float(row["alpha2"]),
+                       rpm=float(row["rpm"])).response(4.0, 0.01) for row in rows]
+        claim([n for n, _ in found] == [1, 2, 3], f"{real} convergence: n = {[n for n, _ in found]}")
+        for n, value in found:
+            close(value / np.mean(each[:n]), 1.0, within, f"{real} convergence at {n}")
+
+
+# ---- mistakes
+
+def refused(result, status, what):
+    one_line = result.stderr.endswith("\n") and result.stderr.count("\n") == 1 and result.stderr.startswith("kelly: ")
+    claim(result.returncode == status and one_line and not result.stdout,
+          f"{what}: exit {result.returncode} (not {status}), stdout {result.stdout[:60]!r}, stderr {result.stderr[:200]!r}")
+
+
+def check_mistakes():
+    """Every mistake: one line, the right status, nothing on stdout, no file left."""
+    with tempfile.TemporaryDirectory() as where:
+        for args in bad_usage.USAGE:
+            refused(kelly("float", args, cwd=where), 2, args)
+            if not args.startswith(("modes", "nonsense")):
+                refused(kelly("float", f"{args} {'--out' if args.startswith('sim') else '--csv'} {where}/left.csv", cwd=where), 2, args + " and a file")
+        for args in bad_usage.FILES:
+            refused(kelly("float", args.format(D=f"{where}/none", F=where), cwd=where), 1, args)
+        claim(os.listdir(where) == [], f"left behind: {os.listdir(where)}")
+    with open("/dev/full", "w", encoding="ascii") as full:
+        for args in bad_usage.FULL:
+            result = subprocess.run([PROGRAM["float"]] + shlex.split(args), stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+            result.stdout = ""
+            refused(result, 1, args + " on a full disk")
+    claim(os.path.exists("/dev/full") and not [name for name in os.listdir("/dev") if name.startswith("full.")], "something left in /dev")
+
+
+def check_help():
+    result = kelly("float", "--help")
+    claim(result.returncode == 0 and "montecarlo" in result.stdout and not result.stderr, "--help")
+    result = kelly("float", "")
+    claim(result.returncode == 2 and not result.stdout and "montecarlo" in result.stderr, "no command")
+    claim(re.fullmatch(r"kelly \S+ \S+ float\n", done("float", "--version")), "--version")
+    claim(report("float", "--rpm=120 --samples 1 --duration 1")["case"]["rpm"] == 120, "--option=value")
+    r = report("float", "--samples 1 --duration 20")["case"]
+    claim(r["window_s"] == [10, 20], f"the window is not the last half: {r['window_s']}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description="Checks of the kelly command.")
+    parser.add_argument("--float", default=os.path.join(ROOT, "build", "host", "kelly"))
+    parser.add_argument("--double", default=os.path.join(ROOT, "build", "host-double", "kelly"))
+    parser.add_argument("names", nargs="*")
+    chosen = parser.parse_args()
+    PROGRAM.update({"float": os.path.abspath(chosen.float), "double": os.path.abspath(chosen.double)})
+    for name, check in list(globals().items()):
+        if name.startswith("check_") and (not chosen.names or name[6:] in chosen.names):
+            start = time.monotonic()
+            check()
+            print(f"{name[6:]:14s} {time.monotonic() - start:6.1f} s", flush=True)
+    print(f"{count[True]} passed, {count[False]} failed")
+    return count[False] != 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
