@@ -17,6 +17,8 @@ endif
 CFLAGS ?= -O2
 # the interpreter that has numpy: python3 on PATH may lack what the system's own has
 PYTHON ?= $(firstword $(foreach p,python3 /usr/bin/python3,$(if $(shell $(p) -c 'import numpy' 2>/dev/null && echo yes),$(p))) python3)
+# the same, looked for when a recipe runs: it may have been installed a moment before
+with_python = $$(for p in python3 /usr/bin/python3; do $$p -c 'import numpy' 2>/dev/null && echo $$p && break; done)
 PREFIX ?= /usr/local
 
 REAL ?= float
@@ -154,6 +156,28 @@ run: $(dir)/kelly                             ## the main job: both rocks of the
 digest: $(dir)/kelly                          ## one line: digest of 8 realisations of SEED from FIRST; the same on every TARGET
 	@$(dir)/kelly montecarlo --duration 4 --window 2:4 --mu 0.04 --cov 0.2 --samples 8 --seed $(SEED) --first $(FIRST) | sed -n 's/.*\(digest [0-9a-f]*\).*/\1/p'
 
+# The rock on which the start decides; MAP='--mu 0.02 --rpm 60:180:5' for another map.
+MAP ?= $(if $(name_suffix),,--mu 0.004)
+map_files := build/figures/map$(real_suffix)$(name_suffix)
+map: $(dir)/kelly                             ## the driller's map: build/figures/map.png, .svg, .csv, .json, .npy (two minutes on two cores)
+	@sh tests/install python3-matplotlib
+	@mkdir -p build/figures
+	$(dir)/kelly map $(MAP) --csv $(map_files).csv --json $(map_files).json --npy $(map_files).npy
+	@$$(for p in python3 /usr/bin/python3; do $$p -c 'import matplotlib' 2>/dev/null && echo $$p && break; done) host/draw_map.py $(map_files).json $(map_files)
+
+figures: $(dir)/kelly                         ## Figures 1-8 of the paper and what was found: build/figures/index.html (a minute on two cores)
+	@sh tests/install python3-numpy python3-matplotlib
+	@$$(for p in python3 /usr/bin/python3; do $$p -c 'import numpy, matplotlib' 2>/dev/null && echo $$p && break; done) host/figures.py \
+	 --kelly $(dir)/kelly --out build/figures$(real_suffix)$(name_suffix)
+
+# The man page comes out of the program itself.
+install: $(dir)/kelly                         ## PREFIX=/usr/local DESTDIR=: the program, its man page, bash completion
+	install -d '$(DESTDIR)$(PREFIX)/bin' '$(DESTDIR)$(PREFIX)/share/man/man1' '$(DESTDIR)$(PREFIX)/share/bash-completion/completions'
+	$(dir)/kelly manual > $(dir)/kelly.1
+	install -m 755 $(dir)/kelly '$(DESTDIR)$(PREFIX)/bin/kelly'
+	install -m 644 $(dir)/kelly.1 '$(DESTDIR)$(PREFIX)/share/man/man1/kelly.1'
+	install -m 644 host/kelly.bash '$(DESTDIR)$(PREFIX)/share/bash-completion/completions/kelly'
+
 endif
 
 # ---- the table of a string of the user's ---------------------------------------------------------------------------
@@ -171,8 +195,8 @@ endif
 # ---- the rest -----------------------------------------------------------------------------------------------------
 
 test:                                         ## every gate of `make test`; installs what it needs (Debian packages)
-	@sh tests/install $$(sed -n '/^PACKAGES/,/)/p' tests/gates.py | grep -o '"[^"]*"' | tr -d '"')
-	@python3 tests/gates.py test
+	@sh tests/install $$(cat tests/packages.txt)
+	@$(with_python) tests/gates.py test
 
 tables:                                       ## regenerate firmware/tables from gen/wells/paper.toml (needs numpy)
 	$(PYTHON) gen gen/wells/paper.toml --out firmware/tables
@@ -183,4 +207,4 @@ clean:                                        ## remove build/
 help:                                         ## this list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
 
-.PHONY: all unit run digest size test tables clean help
+.PHONY: all unit run digest size test map figures tables install clean help

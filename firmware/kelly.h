@@ -11,6 +11,7 @@
  *   severity.h       what counts as stick-slip
  *   ensemble.h       draw, integrate, classify a range of indices
  *   tally.h          counts, digest, interval
+ *   envelope.h       mean, spread and quantiles of a stream of values, in fixed memory
  *   plant.h          one string, everything that a bench reads                            (S)
  *
  * Units    SI, angles in rad. Angular speed of the bit and the top positive while drilling; f_bit and T_bit negative.
@@ -27,6 +28,7 @@
 #include "axial.h"
 #include "bitrock.h"
 #include "ensemble.h"
+#include "envelope.h"
 #include "integrator.h"
 #include "plant.h"
 #include "random.h"

@@ -1,6 +1,7 @@
-"""python3 gen WELL.toml [--out DIR] [--as NAME] [--print]
+"""python3 gen WELL.toml [--out DIR] [--as NAME] [--print] [--convergence]
 
-Well file -> certified C table, or one line that says why not.
+Well file -> certified C table, or one line that says why not. With --convergence no table: a report on how many elements
+and modes are enough for this string.
 
 Exit 0 written; 1 the result could not be written; 2 the well file or the command line is wrong. Nothing is left
 half-written: both files are complete under other names before either takes its own.
@@ -33,6 +34,8 @@ def _arguments(argv):
     parser.add_argument("--as", metavar="NAME", dest="base",
                         help="call the files NAME.c and NAME_shapes.c (default: by the key `name` of the well file)")
     parser.add_argument("--print", action="store_true", dest="show", help="print the certificate")
+    parser.add_argument("--convergence", action="store_true",
+                        help="write nothing; print what other numbers of elements and of modes would give (a minute or two)")
     options = parser.parse_args(argv)
     if options.base is not None and (not options.base or os.path.basename(options.base) != options.base):
         parser.error(f"--as {options.base}: expected the name of a file, without a directory")
@@ -117,6 +120,10 @@ def main(argv):
     options = _arguments(argv)
     try:
         import well as well_
+        if options.convergence:
+            import convergence
+            convergence.report(well_.parse(_read(options.well)))
+            return 0
         files, certificate = generate(options.well, options.base)
     except ImportError as error:
         return _fail(f"kelly gen: {sys.executable} has no {error.name}: expected Python 3.11 or later with numpy "

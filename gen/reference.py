@@ -61,7 +61,7 @@ def eigen(stiffness, mass, shift=0.0):
 
 
 def modes(well, fc):
-    """Every mode at weight fc: dict of w2, b, d, axial_w2, axial_b, inertia."""
+    """Every mode at weight fc: dict of w2, b, d, axial_w2, axial_b, shapes at the nodes, inertia, mass."""
     (ka, ma), (kt, mt) = matrices(well, fc)
     w2, phi = eigen(kt[1:, 1:], mt[1:, 1:])
     # a shift of about the square of the first elastic frequency makes the free chain definite
@@ -69,6 +69,7 @@ def modes(well, fc):
     axial_w2, axial_phi = eigen(ka, ma, 10.0 * wave2)
     axial_w2[0] = 0.0
     return {"w2": w2, "b": phi[-1], "d": phi.T @ mt[1:] @ np.ones(len(mt)),
+            "twist": np.vstack([np.zeros(len(w2)), phi]), "axial": axial_phi,
             "axial_w2": axial_w2, "axial_b": axial_phi[-1], "inertia": mt.sum(), "mass": ma.sum()}
 
 
@@ -133,9 +134,15 @@ def nominal(well):
 def simulate_many(well, cases, step, out_step, duration):
     """Cases (dicts of overrides, equal mode counts) -> {column: [case, time]}."""
     system = System(well, cases)
+    data = np.array(march(system, system.outputs, step, out_step, duration))
+    return {name: data[:, i, :].T for i, name in enumerate(COLUMNS)}
+
+
+def march(system, look, step, out_step, duration):
+    """Textbook RK4 from t = 0; the list of look(t, q, v) at every out_step."""
     q, v, h = np.zeros_like(system.v0), system.v0.copy(), step
     every, steps = round(out_step / step), round(duration / step)
-    rows = [system.outputs(0.0, q, v)]
+    rows = [look(0.0, q, v)]
     after = system.weight(0.0)
     for n in range(steps):
         before, middle, after = after, system.weight((n + 0.5) * h), system.weight((n + 1) * h)
@@ -149,9 +156,17 @@ def simulate_many(well, cases, step, out_step, duration):
         q = q + h / 6 * (v + 2 * (v2 + v3) + v4)
         v = v + h / 6 * (a1 + 2 * (a2 + a3) + a4)
         if (n + 1) % every == 0:
-            rows.append(system.outputs((n + 1) * h, q, v))
-    data = np.array(rows)
-    return {name: data[:, i, :].T for i, name in enumerate(COLUMNS)}
+            rows.append(look((n + 1) * h, q, v))
+    return rows
+
+
+def field(well, case, step, out_step, duration):
+    """Displacement from the prestressed string [m] and twist against the top [rad] at the nodes -> two [time, node]."""
+    system, full = System(well, [case]), {**nominal(well), **case}
+    at = modes(well, full["fc"])
+    count = full["torsional"], full["axial"]
+    q = np.array(march(system, lambda t, q, v: q[0], step, out_step, duration))
+    return q[:, count[0]:] @ at["axial"][:, :count[1]].T, q[:, :count[0]] @ at["twist"][:, :count[0]].T
 
 
 def simulate(well, case, step, out_step, duration=None):

@@ -71,6 +71,10 @@ RAD_S_PER_RPM = 0.10471975511965977
 SCALE = {
     "m": (1.0, 1.0), "mm": (1.0, 1000.0), "GPa": (1e9, 1.0), "kg_m3": (1.0, 1.0), "per_s": (1.0, 1.0),
     "s": (1.0, 1.0), "m_s2": (1.0, 1.0), "kN": (1000.0, 1.0), "rpm": (RAD_S_PER_RPM, 1.0), "": (1.0, 1.0),
+    # field units by definition: 1 ft = 0.3048 m, 1 in = 25.4 mm, 1 lbm = 0.45359237 kg, 1 lbf = 1 lbm * 9.80665 m/s2;
+    # each ratio of two numbers that a double holds exactly
+    "ft": (3048.0, 10000.0), "in": (254.0, 10000.0), "klbf": (44482216152605.0, 1e10),
+    "Mpsi": (444822161526050.0, 64516.0), "lbm_ft3": (453592370000.0, 28316846592.0),
 }
 
 
@@ -88,17 +92,22 @@ def _number(field, key, unit, low, high, whole=False):
     return Number(field, {key: unit}, low, high, whole)
 
 
+def _either(field, stem, unit, other, low, high):
+    """A quantity in SI or in field units: the unit is the end of the key. The bounds are in SI."""
+    return Number(field, {f"{stem}_{unit}": unit, f"{stem}_{other}": other}, low, high)
+
+
 # The bounds are wide: they catch a value in the wrong unit and keep float arithmetic far from overflow.
 SECTION = (
-    _number("length", "length_m", "m", 0.1, 20000.0),
-    _number("outer", "outer_diameter_mm", "mm", 1.0, 2000.0),
-    _number("inner", "inner_diameter_mm", "mm", 0.0, 2000.0),
+    _either("length", "length", "m", "ft", 0.1, 20000.0),
+    _either("outer", "outer_diameter", "mm", "in", 1.0, 2000.0),
+    _either("inner", "inner_diameter", "mm", "in", 0.0, 2000.0),
     _number("elements", "elements", "", 1, ELEMENTS_MAX, whole=True),
 )
 TABLES = {
-    "material": (_number("youngs", "youngs_modulus_GPa", "GPa", 1.0, 1000.0),
-                 _number("shear", "shear_modulus_GPa", "GPa", 0.3, 1000.0),
-                 _number("density", "density_kg_m3", "kg_m3", 100.0, 30000.0)),
+    "material": (_either("youngs", "youngs_modulus", "GPa", "Mpsi", 1.0, 1000.0),
+                 _either("shear", "shear_modulus", "GPa", "Mpsi", 0.3, 1000.0),
+                 _either("density", "density", "kg_m3", "lbm_ft3", 100.0, 30000.0)),
     "damping": (_number("alpha", "mass_per_s", "per_s", 0.0, 100.0),
                 _number("beta", "stiffness_s", "s", 0.0, 1.0)),
     "environment": (_number("gravity", "gravity_m_s2", "m_s2", 0.0, 100.0),),
@@ -106,8 +115,8 @@ TABLES = {
               _number("axial", "axial", "", 1, MODES_MAX, whole=True)),
     # 2..500 kN: the fit runs from 1 to 1000 kN and must hold half and twice the nominal weight
     "case": (_number("w0", "rpm", "rpm", 0.1, 1000.0),
-             _number("fc", "wob_kN", "kN", 2.0, 500.0),
-             _number("f0", "wob_amplitude_kN", "kN", 0.0, 1000.0),
+             _either("fc", "wob", "kN", "klbf", 2.0, 500.0),
+             _either("f0", "wob_amplitude", "kN", "klbf", 0.0, 1000.0),
              _number("mu", "mu", "", 1e-6, 10.0),
              _number("a1", "alpha1", "", 1e-6, 1000.0),
              _number("a2", "alpha2", "", 1e-6, 1000.0)),
@@ -213,7 +222,8 @@ def _take(table, number, path, inputs):
     first = next(iter(number.keys))
     found = [key for key in number.keys if key in table]
     if not found:
-        raise WellError("expected " + _range_text(number, first), (*path, first), missing=True)
+        others = "".join(f" (or {key})" for key in number.keys if key != first)
+        raise WellError("expected " + _range_text(number, first) + others, (*path, first), missing=True)
     if len(found) > 1:
         raise WellError(f"expected only one of {', '.join(found)}", (*path, found[1]), table[found[1]])
     key = found[0]

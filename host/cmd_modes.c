@@ -1,5 +1,6 @@
 /* cmd_modes.c - natural frequencies with and without prestress: Tables 1 and 2 of the paper. */
 #include <math.h>
+#include <string.h>
 
 #include "host.h"
 
@@ -69,6 +70,15 @@ static void write_json(const char *path, const spectrum *s)
     outfile_close(&file);
 }
 
+const command_help modes_help = {
+    .brief = "natural frequencies in Hz, with and without prestress",
+    .synopsis = "[--json F]",
+    .takes = TAKES_JSON,
+    .notes = "JSON: torsion_hz, torsion_prestressed_hz, axial_hz, axial_prestressed_hz, at most ten each, the rigid mode left out.\n"
+             "The prestress is that of gravity and of the well file's weight on bit.",
+    .example = "kelly modes --json modes.json",
+};
+
 int command_modes(int argc, char **argv)
 {
     options opts;
@@ -79,7 +89,7 @@ int command_modes(int argc, char **argv)
     if (opts.json) {
         write_json(opts.json, &s);
     }
-    if (!opts.json || opts.json[0] != '-') {
+    if (!opts.quiet && (!opts.json || strcmp(opts.json, "-") != 0)) {
         printf("natural frequencies in Hz, %s, weight on bit %.6g kN\n", kelly_string.id, (double)kelly_string.nominal.fc / 1000.0);
         print_row("torsion, no prestress", s.torsion_free, s.torsional);
         print_row("torsion, prestressed", s.torsion, s.torsional);

@@ -14,11 +14,13 @@ typedef struct {
     const options *opts;
     const kelly_engine *engine;
     kelly_tally tally;
+    uint32_t stuck_ssi;          /* counted realisations whose SSI exceeds the limit */
     FILE *csv;
     uint32_t refused[LISTED];
     uint8_t why[LISTED];
     double seconds;
     convergence_table convergence;
+    envelope_request envelope;
 } outcome;
 
 static const kelly_engine *engine;   /* chosen once, before the threads start */
@@ -42,6 +44,12 @@ static void write_result(FILE *to, uint32_t index, const kelly_result *r)
     }
 }
 
+/* The field's definition beside the paper's: a bit that does not get on at all (mean <= 0) is stuck in both. */
+static uint32_t stuck_by_ssi(const outcome *out, const kelly_result *r)
+{
+    return r->status == KELLY_OK && (r->mean <= 0 || kelly_ssi(r->lowest, r->highest, r->mean) > out->opts->run.limit);
+}
+
 static void take_batch(void *context, uint32_t first, uint32_t count, const void *results)
 {
     outcome *const out = context;
@@ -55,6 +63,7 @@ static void take_batch(void *context, uint32_t first, uint32_t count, const void
             out->why[refused] = r[i].status;
         }
         kelly_tally_add(&out->tally, first + i, &r[i]);
+        out->stuck_ssi += stuck_by_ssi(out, &r[i]);
         if (out->csv) {
             write_result(out->csv, first + i, &r[i]);
         }
@@ -100,6 +109,20 @@ static void write_convergence(FILE *to, const convergence_table *table)
     fputs("],\n", to);
 }
 
+/* Counted, refused and limit as for ss; only the measure differs. */
+static void write_ssi(FILE *to, const outcome *out)
+{
+    const uint32_t counted = out->tally.samples - kelly_refused(&out->tally);
+
+    fputs("  \"ssi\": {\"severity\": \"SSI = (max - min)/(2 mean)\", \"probability\": ", to);
+    if (counted > 0) {
+        fprintf(to, "%.17g", (double)out->stuck_ssi / counted);
+    } else {
+        fputs("null", to);
+    }
+    fprintf(to, ", \"stuck\": %u},\n", out->stuck_ssi);
+}
+
 static void write_json(FILE *to, const outcome *out, double lo, double hi)
 {
     const kelly_tally *const t = &out->tally;
@@ -112,6 +135,8 @@ static void write_json(FILE *to, const outcome *out, double lo, double hi)
     }
     fprintf(to, "  \"ci95\": [%.17g, %.17g],\n  \"samples\": %u,\n  \"stuck\": %u,\n  \"refused\": %u,\n  \"liftoff\": %u,\n", lo, hi,
             t->samples, t->stuck, kelly_refused(t), t->liftoff);
+    fprintf(to, "  \"severity\": \"ss = (max - min)/(max + min)\",\n");
+    write_ssi(to, out);
     fprintf(to, "  \"seed\": %llu,\n  \"first\": %u,\n  \"digest\": \"%08x\",\n  \"real\": \"%s\",\n  \"model\": \"%s\",\n",
             (unsigned long long)out->opts->seed, out->opts->first, t->digest, sizeof(real) > 4 ? "double" : "float", kelly_string.id);
     write_refused(to, out);
@@ -132,6 +157,12 @@ static void print_case(const outcome *out)
            case_seconds(run, 1));
 }
 
+/* Red where stick-slip is the likelier, green where it is certain to be rare, yellow between. */
+static const char *colour(double lo, double hi)
+{
+    return lo > 0.5 ? "31" : hi < 0.05 ? "32" : "33";
+}
+
 static void print_outcome(const outcome *out, double lo, double hi)
 {
     const kelly_tally *const t = &out->tally;
@@ -139,8 +170,10 @@ static void print_outcome(const outcome *out, double lo, double hi)
 
     print_case(out);
     if (counted > 0) {
-        printf("P(stick-slip) = %.4f   95 %% interval %.4f .. %.4f   (%u of %u with ss > %.6g)\n", (double)kelly_probability(t), lo, hi,
-               t->stuck, counted, (double)out->opts->run.limit);
+        printf("P(stick-slip) = %s%.4f%s   95 %% interval %.4f .. %.4f   (%u of %u with ss > %.6g)\n", ink(stdout, colour(lo, hi)),
+               (double)kelly_probability(t), ink(stdout, "0"), lo, hi, t->stuck, counted, (double)out->opts->run.limit);
+        printf("ss = (max - min)/(max + min) of the bit speed, the paper's; by the field's SSI = (max - min)/(2 mean) > %.6g: P = %.4f (%u of %u)\n",
+               (double)out->opts->run.limit, (double)out->stuck_ssi / counted, out->stuck_ssi, counted);
     } else {
         printf("P(stick-slip) is unknown: every realisation was refused   95 %% interval %.4f .. %.4f\n", lo, hi);
     }
@@ -156,6 +189,10 @@ static void print_outcome(const outcome *out, double lo, double hi)
     for (unsigned i = 0; i < out->convergence.count; i++) {
         printf("conv(%u) = %.6g m2 s\n", out->convergence.n[i], out->convergence.value[i]);
     }
+    if (out->envelope.times > 0) {
+        printf("envelope, traces: %u realisations at %u times, in %.1f MB of memory\n", out->envelope.used, out->envelope.times,
+               out->envelope.bytes / 1e6);
+    }
 }
 
 static double now(void)
@@ -166,6 +203,18 @@ static double now(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
+const command_help montecarlo_help = {
+    .brief = "probability of stick-slip with its 95 % interval",
+    .synopsis = "[case] [--samples N] [--cov D] [--seed S] [--json F] [--csv F] ...",
+    .takes = TAKES_CASE | TAKES_ENSEMBLE | TAKES_JSON,
+    .own = envelope_options,
+    .notes = "CSV: index,fc_kN,mu,alpha1,alpha2,rpm,bit_min_rpm,bit_max_rpm,bit_mean_rpm,ss,stuck,status,liftoff.\n"
+             "ss = (max - min)/(max + min) of the bit speed over the window decides (10 where max + min <= 0);\n"
+             "SSI = (max - min)/(2 mean), the index of rig displays, is reported beside it (JSON: ssi).\n"
+             "A realisation that cannot be trusted has a status (step, range, nonfinite) and is never counted.",
+    .example = "kelly montecarlo --mu 0.004 --samples 4000 --json run.json --csv runs.csv",
+};
+
 int command_montecarlo(int argc, char **argv)
 {
     static outcome out;
@@ -175,7 +224,8 @@ int command_montecarlo(int argc, char **argv)
     const double start = now();
     const char *const header = "index,fc_kN,mu,alpha1,alpha2,rpm,bit_min_rpm,bit_max_rpm,bit_mean_rpm,ss,stuck,status,liftoff\n";
 
-    options_parse(&opts, argc, argv, TAKES_CASE | TAKES_ENSEMBLE | TAKES_JSON, "montecarlo", 0, 0);
+    options_parse(&opts, argc, argv, TAKES_CASE | TAKES_ENSEMBLE | TAKES_JSON, "montecarlo", envelope_option, &out.envelope);
+    envelope_reserve(&out.envelope, &opts);
     engine = engine_choose(opts.engine);
     out.opts = &opts;
     out.engine = engine;
@@ -192,6 +242,7 @@ int command_montecarlo(int argc, char **argv)
     if (opts.convergence) {
         convergence_run(&opts, &out.convergence);
     }
+    envelope_run(&out.envelope, &opts);
     out.seconds = now() - start;
     kelly_interval(&out.tally, &lo, &hi);
     if (opts.json) {
@@ -201,7 +252,7 @@ int command_montecarlo(int argc, char **argv)
     if (opts.csv) {
         outfile_close(&csv);
     }
-    if (!(opts.json && strcmp(opts.json, "-") == 0) && !(opts.csv && strcmp(opts.csv, "-") == 0)) {
+    if (!opts.quiet && !(opts.json && strcmp(opts.json, "-") == 0) && !(opts.csv && strcmp(opts.csv, "-") == 0)) {
         print_outcome(&out, lo, hi);
     }
     return EXIT_DONE;

@@ -1,5 +1,6 @@
 /* cmd_simulate.c - one realisation in time. */
 #include <math.h>
+#include <string.h>
 
 #include "host.h"
 
@@ -23,8 +24,28 @@ static void refuse(const kelly_plant *plant, const options *opts, const kelly_dr
         floor(1e6 * (double)kelly_largest_step(&kelly_string, &opts->run, draw, &plant->modes)) / 1e6);
 }
 
+/* Lowest, highest and mean bit speed over the window [rad/s]. */
+typedef struct {
+    real lowest, highest, mean;
+} window_speeds;
+
+/* A window opens: the mean is the difference of the bit's twist over it, see kelly_block_twist. */
+static void open_window(kelly_plant *plant, window_speeds *w)
+{
+    kelly_block_watch(&plant->block);
+    w->mean = kelly_block_twist(&plant->block, 0, &plant->modes);
+}
+
+static void close_window(const kelly_plant *plant, const kelly_case *run, window_speeds *w)
+{
+    const double seconds = case_seconds(run, run->window_last - run->window_first);
+
+    kelly_block_extremes(&plant->block, 0, &w->lowest, &w->highest);
+    w->mean = plant->draw.w0 + (kelly_block_twist(&plant->block, 0, &plant->modes) - w->mean) / (real)seconds;
+}
+
 /* The whole run, a line at tick 0 and after every out-step; fills what the summary needs. */
-static void run_to(FILE *to, kelly_plant *plant, const options *opts, real *lowest, real *highest)
+static void run_to(FILE *to, field_file *field, kelly_plant *plant, const options *opts, window_speeds *window)
 {
     const kelly_case *const run = &opts->run;
     uint32_t tick = 0;
@@ -32,6 +53,7 @@ static void run_to(FILE *to, kelly_plant *plant, const options *opts, real *lowe
 
     kelly_plant_look(plant, &sight);
     write_line(to, 0.0, &sight);
+    field_write(field, plant, 0.0);
     while (tick < run->ticks) {
         const uint32_t line = tick + opts->out_ticks - tick % opts->out_ticks;
         uint32_t next = line < run->ticks ? line : run->ticks;
@@ -44,26 +66,39 @@ static void run_to(FILE *to, kelly_plant *plant, const options *opts, real *lowe
         kelly_plant_advance(plant, next - tick);
         tick = next;
         if (tick == run->window_first) {
-            kelly_block_watch(&plant->block);
+            open_window(plant, window);
         }
         if (tick == run->window_last) {
-            kelly_block_extremes(&plant->block, 0, lowest, highest);
+            close_window(plant, run, window);
         }
         if (tick % opts->out_ticks == 0) {
             kelly_plant_look(plant, &sight);
             write_line(to, case_seconds(run, tick), &sight);
+            field_write(field, plant, case_seconds(run, tick));
         }
     }
 }
 
-static void summary(FILE *to, const options *opts, real lowest, real highest)
+static void summary(FILE *to, const options *opts, const window_speeds *w)
 {
-    const real ss = kelly_severity(lowest, highest);
+    const real ss = kelly_severity(w->lowest, w->highest), ssi = kelly_ssi(w->lowest, w->highest, w->mean);
 
     fprintf(to, "bit speed %.2f .. %.2f rpm over %.6g:%.6g s, severity ss = %.4f (paper: (max - min)/(max + min)): %s\n",
-            (double)lowest / RPM, (double)highest / RPM, case_seconds(&opts->run, opts->run.window_first),
+            (double)w->lowest / RPM, (double)w->highest / RPM, case_seconds(&opts->run, opts->run.window_first),
             case_seconds(&opts->run, opts->run.window_last), (double)ss, ss > opts->run.limit ? "stick-slip" : "no stick-slip");
+    fprintf(to, "mean %.2f rpm, SSI = %.4f (field: (max - min)/(2 mean))\n", (double)w->mean / RPM, (double)ssi);
 }
+
+const command_help simulate_help = {
+    .brief = "one run in time: the nominal case, or realisation J of seed S",
+    .synopsis = "[case] [--out F.csv] [--field F.npy|F.csv] [--sample J --seed S [--cov D]]",
+    .takes = TAKES_CASE | TAKES_SIMULATE,
+    .notes = "CSV: time_s,bit_speed_rpm,bit_torque_kNm,wob_kN,bit_axial_speed_m_s,surface_torque_kNm,top_speed_rpm; weight and torque\n"
+             "are positive while drilling.\n"
+             "Field: time_s,x_m,displacement_m,twist_rad at every node (x from the top down) and output time; displacement relative to\n"
+             "the prestressed string, twist relative to the top. NPY: a structured array [time, node], a = numpy.load(F), a['twist_rad'].",
+    .example = "kelly simulate --mu 0.004 --out run.csv --field field.npy --out-step 0.05",
+};
 
 int command_simulate(int argc, char **argv)
 {
@@ -72,7 +107,8 @@ int command_simulate(int argc, char **argv)
     outfile file;
     kelly_draw draw;
     kelly_status status;
-    real lowest = 0, highest = 0;
+    window_speeds window = { 0 };
+    field_file field;
 
     options_parse(&opts, argc, argv, TAKES_CASE | TAKES_SIMULATE, "simulate", 0, 0);
     if (opts.sample_given) {
@@ -86,13 +122,15 @@ int command_simulate(int argc, char **argv)
     }
     outfile_open(&file, opts.out ? opts.out : "-");
     fputs("time_s,bit_speed_rpm,bit_torque_kNm,wob_kN,bit_axial_speed_m_s,surface_torque_kNm,top_speed_rpm\n", file.stream);
-    run_to(file.stream, &plant, &opts, &lowest, &highest);
+    field_open(&field, opts.field, &opts, &draw);
+    run_to(file.stream, &field, &plant, &opts, &window);
     if (!kelly_block_sane(&plant.block, 0)) {
         die(EXIT_FAILED, "simulate: the state left all bounds; no result");
     }
     outfile_close(&file);
-    if (opts.out && opts.out[0] != '-') {
-        summary(stdout, &opts, lowest, highest);
+    field_close(&field);
+    if (!opts.quiet && opts.out && strcmp(opts.out, "-") != 0) {
+        summary(stdout, &opts, &window);
     }
     return EXIT_DONE;
 }

@@ -28,7 +28,12 @@ typedef struct {
     int convergence;
     const char *json, *csv, *out; /* paths, "-" for stdout, or 0 */
     const char *engine;           /* vector unit by name, or 0 for the widest */
+    const char *field;            /* simulate: displacement and twist along the string, F.npy or F.csv, or 0 */
+    int quiet;                    /* no summary */
+    int progress;                 /* PROGRESS_... */
 } options;
+
+enum { PROGRESS_AUTO, PROGRESS_JSON, PROGRESS_NONE };
 
 /* Options that a subcommand takes, or'ed. */
 enum { TAKES_CASE = 1, TAKES_ENSEMBLE = 2, TAKES_SIMULATE = 4, TAKES_JSON = 8 };
@@ -47,6 +52,59 @@ uint64_t option_whole(const char *option, const char *text, uint64_t lo, uint64_
 /* Seconds of a case from its ticks. */
 double case_seconds(const kelly_case *run, uint32_t ticks);
 
+/* ---- help ---------------------------------------------------------------------------------------------------- */
+
+/* An option as --help, the man page and the completion show it. Lists end with a name of 0. */
+typedef struct {
+    const char *name, *value;     /* "--csv", "F"; value 0 where it takes none */
+    const char *text;             /* what it means, [unit], (default ...) */
+} option_help;
+
+/* Help of a subcommand; stands in the file of the subcommand. */
+typedef struct {
+    const char *brief;            /* what it does, without a full stop */
+    const char *synopsis;         /* what follows "kelly NAME" */
+    unsigned takes;               /* the shared options, as in options_parse */
+    const option_help *own;       /* those of its `more_options`, or 0 */
+    const char *notes;            /* what else must be known, or 0 */
+    const char *example;
+} command_help;
+
+typedef struct {
+    const char *name;
+    int (*run)(int argc, char **argv);
+    const command_help *help;
+} subcommand;
+
+extern const subcommand commands[];
+extern const unsigned command_count;
+
+#define DEFAULT_TEXT 48
+
+typedef struct {
+    const char *title;
+    unsigned takes;
+    const option_help *options;
+} option_group;
+
+/* Called for each group (option 0) and for each of its options, with its default in words or "". */
+typedef void (*option_visit)(void *context, const char *title, const option_help *option, const char *fallback);
+
+void help_walk(const subcommand *c, option_visit visit, void *context);
+void help_command(FILE *to, const subcommand *c);
+void help_short(FILE *to);        /* for `kelly` alone */
+void help_all(FILE *to);
+
+/* ---- screen -------------------------------------------------------------------------------------------------- */
+
+/* Escape sequence of a colour for this stream, or "": NO_COLOR, no terminal. */
+const char *ink(FILE *to, const char *code);
+
+/* Progress on stderr: whether anybody looks; `done` of `total` after `seconds`; and the end of it. */
+int progress_wanted(const options *opts);
+void progress_show(const options *opts, uint64_t done, uint64_t total, double seconds);
+void progress_end(const options *opts, uint64_t total, double seconds);
+
 /* ---- files --------------------------------------------------------------------------------------------------- */
 
 /* A file that appears whole or not at all: written beside its place and renamed when it is closed. */
@@ -60,6 +118,24 @@ void outfile_open(outfile *file, const char *path);
 
 /* Flush, check and rename; dies with exit 1, leaving nothing behind, if any byte was lost. */
 void outfile_close(outfile *file);
+
+/* Header of a NPY 1.0 file, what numpy.load reads: type "<f8" or a list of fields as Python writes it, and the shape. Raw values in
+ * C order follow; `<` in the type stands for this machine's byte order. */
+void npy_header(FILE *to, const char *type, unsigned dimensions, const uint64_t *shape);
+
+/* Displacement and twist along the string, one instant after another; see field.c. */
+typedef struct {
+    outfile file;
+    int npy;
+    unsigned torsional, axial;    /* modes of the run; axial 0: no field is written */
+    real *twist, *displacement;   /* shapes at the weight of the run, [mode * nodes] */
+    double *row;                  /* [nodes * 4] */
+} field_file;
+
+/* Open for a run of opts with this draw; path 0: none. Exit 2 for a name that says neither .npy nor .csv. */
+void field_open(field_file *field, const char *path, const options *opts, const kelly_draw *draw);
+void field_write(field_file *field, const kelly_plant *plant, double time);
+void field_close(field_file *field);
 
 /* ---- ensembles ----------------------------------------------------------------------------------------------- */
 
@@ -92,6 +168,10 @@ void run_job(const options *opts, const job *what, batch_sink sink, void *contex
 int command_modes(int argc, char **argv);
 int command_simulate(int argc, char **argv);
 int command_montecarlo(int argc, char **argv);
+int command_map(int argc, char **argv);
+int command_advise(int argc, char **argv);
+int command_manual(int argc, char **argv);
+extern const command_help modes_help, simulate_help, montecarlo_help, map_help, advise_help, manual_help;
 
 /* The paper's convergence function over the realisations of opts: writes value[i] at checkpoint n[i]; see convergence.c. */
 #define CHECKPOINTS_MAX 40
@@ -102,5 +182,21 @@ typedef struct {
 } convergence_table;
 
 void convergence_run(const options *opts, convergence_table *table);
+
+/* Statistics in time, and traces, of the realisations of opts; see envelope.c. Start from zeros. */
+typedef struct {
+    const char *envelope, *traces;   /* files, or 0 */
+    unsigned quantity;            /* of the traces */
+    int streaming;
+    double bytes;                 /* of memory: envelope_reserve */
+    uint32_t used, times;         /* realisations and instants: envelope_run */
+} envelope_request;
+
+extern const option_help envelope_options[];
+int envelope_option(void *request, const char *name, const char *value);           /* a more_options */
+
+/* Take the memory, or die with exit 2 where it does not fit; then run and write. Nothing where nothing was asked for. */
+void envelope_reserve(envelope_request *ask, const options *opts);
+void envelope_run(envelope_request *ask, const options *opts);
 
 #endif

@@ -4,52 +4,71 @@
 
 #include "host.h"
 
-static const char usage[] =
-    "kelly " KELLY_VERSION ": how likely is this drill string to stick and slip?\n"
-    "\n"
-    "  kelly montecarlo [case] [--samples 400] [--cov 0.2 | --cov fc=..,mu=..,a1=..,a2=..,rpm=..] [--seed 1] [--first 0]\n"
-    "                   [--threads T] [--json F] [--csv F] [--convergence] [--engine scalar|sse2|avx2|avx512]\n"
-    "                                      probability of stick-slip with its 95 % interval\n"
-    "  kelly simulate   [case] [--out F.csv] [--sample J --seed S [--cov ..]]\n"
-    "                                      one run in time: the nominal case, or realisation J of seed S\n"
-    "  kelly modes      [--json F]         natural frequencies, with and without prestress\n"
-    "\n"
-    "case (defaults are the well file's):\n"
-    "  --rpm 100          top speed [rpm]            --start rest|rotating    state of the string at t = 0\n"
-    "  --wob 100          weight on bit |f_c| [kN]   --duration 100           [s]\n"
-    "  --f0 50            its amplitude [kN]         --window 50:100          where severity is taken [s]; last half\n"
-    "  --mu 0.04          bit-rock factor            --step 0.001             RK4 step [s]\n"
-    "  --alpha1 2         [s/rad]                    --out-step 0.01          between output lines [s]\n"
-    "  --alpha2 1         [s2/rad2]                  --limit 0.8              severity that counts as stick-slip\n"
-    "  --torsional 10     torsional modes            --axial 2                axial modes, the rigid one included\n"
-    "\n"
-    "--cov with names: parameters that are not named are not random. A file \"-\" is stdout.\n"
-    "Exit 0 done, 1 the run failed, 2 bad usage or input.\n"
-    "Try first:  kelly montecarlo --mu 0.004\n";
-
-static const struct {
-    const char *name;
-    int (*run)(int argc, char **argv);
-} commands[] = {
-    { "montecarlo", command_montecarlo },
-    { "simulate", command_simulate },
-    { "modes", command_modes },
+const subcommand commands[] = {
+    { "montecarlo", command_montecarlo, &montecarlo_help },
+    { "simulate", command_simulate, &simulate_help },
+    { "modes", command_modes, &modes_help },
+    { "map", command_map, &map_help },
+    { "advise", command_advise, &advise_help },
+    { "manual", command_manual, &manual_help },
 };
+const unsigned command_count = sizeof(commands) / sizeof(commands[0]);
 
-/* Run a subcommand; results that could not be written are a failure. */
-static int run(int argc, char **argv)
+static const subcommand *command_named(const char *name)
 {
-    for (size_t i = 0; i < sizeof(commands) / sizeof(commands[0]); i++) {
-        if (strcmp(argv[1], commands[i].name) == 0) {
-            const int status = commands[i].run(argc - 2, argv + 2);
-
-            if (fflush(stdout) != 0 || ferror(stdout)) {
-                die(EXIT_FAILED, "the output could not be written: %s", strerror(errno));
-            }
-            return status;
+    for (unsigned i = 0; i < command_count; i++) {
+        if (strcmp(name, commands[i].name) == 0) {
+            return &commands[i];
         }
     }
-    die(EXIT_USAGE, "'%s' is not a command; give montecarlo, simulate or modes, or see kelly --help", argv[1]);
+    return 0;
+}
+
+static _Noreturn void no_command(const char *name)
+{
+    char names[256] = "";
+
+    for (unsigned i = 0; i < command_count; i++) {
+        strncat(names, i == 0 ? "" : i + 1 < command_count ? ", " : " or ", sizeof(names) - strlen(names) - 1);
+        strncat(names, commands[i].name, sizeof(names) - strlen(names) - 1);
+    }
+    die(EXIT_USAGE, "'%s' is not a command; give %s, or see kelly --help", name, names);
+}
+
+/* Results that could not be written are a failure. */
+static int written(int status)
+{
+    if (fflush(stdout) != 0 || ferror(stdout)) {
+        die(EXIT_FAILED, "the output could not be written: %s", strerror(errno));
+    }
+    return status;
+}
+
+/* Run a subcommand. */
+static int run(int argc, char **argv)
+{
+    const subcommand *const c = command_named(argv[1]);
+
+    if (!c) {
+        no_command(argv[1]);
+    }
+    return written(c->run(argc - 2, argv + 2));
+}
+
+/* kelly --help, kelly help, kelly COMMAND ... --help, kelly help COMMAND: of that command, or of all. */
+static int help(const char *name)
+{
+    const subcommand *const c = name ? command_named(name) : 0;
+
+    if (name && !c) {
+        no_command(name);
+    }
+    if (c) {
+        help_command(stdout, c);
+    } else {
+        help_all(stdout);
+    }
+    return written(EXIT_DONE);
 }
 
 int main(int argc, char **argv)
@@ -61,17 +80,19 @@ int main(int argc, char **argv)
     }
     for (int i = 1; i < argc; i++) {
         if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) {
-            fputs(usage, stdout);
-            return EXIT_DONE;
+            return help(i > 1 ? argv[1] : 0);
         }
     }
     if (argc < 2) {
-        fputs(usage, stderr);
+        help_short(stderr);
         return EXIT_USAGE;
+    }
+    if (strcmp(argv[1], "help") == 0) {
+        return help(argc > 2 ? argv[2] : 0);
     }
     if (strcmp(argv[1], "--version") == 0) {
         printf("kelly " KELLY_VERSION " %s %s\n", kelly_string.id, sizeof(real) > 4 ? "double" : "float");
-        return EXIT_DONE;
+        return written(EXIT_DONE);
     }
     return run(argc, argv);
 }

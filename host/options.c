@@ -68,7 +68,8 @@ static unsigned law_index(const char *name, size_t length)
 static void parse_cov(kelly_case *run, const char *text)
 {
     static const char right[] = "0..0.5, one number or fc=..,mu=..,a1=..,a2=..,rpm=..";
-    char copy[256], *save = 0;
+    char copy[256], *rest = copy;
+    unsigned seen = 0;
 
     if (!strchr(text, '=')) {
         const float cov = (float)option_number("--cov", text, 0.0, 0.5, right);
@@ -83,13 +84,20 @@ static void parse_cov(kelly_case *run, const char *text)
     }
     memset(run->cov, 0, sizeof(run->cov));
     strcpy(copy, text);
-    for (char *part = strtok_r(copy, ",", &save); part; part = strtok_r(0, ",", &save)) {
-        char *equals = strchr(part, '=');
+    while (rest) {
+        char *const part = strsep(&rest, ",");
+        char *const equals = strchr(part, '=');
+        unsigned k;
 
         if (!equals) {
-            die(EXIT_USAGE, "--cov %s: '%s' has no '='; give %s", text, part, right);
+            die(EXIT_USAGE, "--cov %s: '%s' is not name=number; give %s", text, part, right);
         }
-        run->cov[law_index(part, (size_t)(equals - part))] = (float)option_number("--cov", equals + 1, 0.0, 0.5, right);
+        k = law_index(part, (size_t)(equals - part));
+        if (seen & 1u << k) {
+            die(EXIT_USAGE, "--cov %s: %s stands twice; give each parameter once", text, law_names[k]);
+        }
+        seen |= 1u << k;
+        run->cov[k] = (float)option_number("--cov", equals + 1, 0.0, 0.5, right);
     }
 }
 
@@ -157,6 +165,9 @@ static void settle_times(options *out, const times *when)
         die(EXIT_USAGE, "--window %g:%g: ends after the duration of %g s; give a window within 0:%g", when->window[0], when->window[1],
             when->duration, when->duration);
     }
+    if (!(out->out_step > 0)) {   /* not asked for: 0.01 s, or the whole steps next below it */
+        out->out_step = when->step * fmax(1.0, floor(0.01 / when->step + 1e-6));
+    }
     out->out_ticks = ticks_of("--out-step", out->out_step, run->step_ns);
     if (out->out_ticks == 0) {
         die(EXIT_USAGE, "--out-step %g: shorter than a step of %g s; give a multiple of the step", out->out_step, when->step);
@@ -216,6 +227,8 @@ static int parse_random(options *out, const char *name, const char *value, unsig
         out->sample_given = 1;
     } else if (takes & TAKES_SIMULATE && strcmp(name, "--out") == 0) {
         out->out = value;
+    } else if (takes & TAKES_SIMULATE && strcmp(name, "--field") == 0) {
+        out->field = value;
     } else if (takes & TAKES_ENSEMBLE && strcmp(name, "--samples") == 0) {
         out->samples = (uint32_t)option_whole(name, value, 1, UINT32_MAX, "a number of realisations, 1..4294967295");
     } else if (takes & TAKES_ENSEMBLE && strcmp(name, "--first") == 0) {
@@ -232,6 +245,37 @@ static int parse_random(options *out, const char *name, const char *value, unsig
     return 1;
 }
 
+/* Options of every subcommand that need no value: 1 if this is one. */
+static int parse_flag(options *out, const char *name, unsigned takes)
+{
+    if (takes & TAKES_ENSEMBLE && strcmp(name, "--convergence") == 0) {
+        out->convergence = 1;
+    } else if (strcmp(name, "--quiet") == 0) {
+        out->quiet = 1;
+    } else {
+        return 0;
+    }
+    return 1;
+}
+
+/* Options of every subcommand with a value. */
+static int parse_common(options *out, const char *name, const char *value)
+{
+    if (strcmp(name, "--progress") != 0) {
+        return 0;
+    }
+    if (strcmp(value, "json") == 0) {
+        out->progress = PROGRESS_JSON;
+    } else if (strcmp(value, "none") == 0) {
+        out->progress = PROGRESS_NONE;
+    } else if (strcmp(value, "auto") == 0) {
+        out->progress = PROGRESS_AUTO;
+    } else {
+        die(EXIT_USAGE, "--progress %s: unknown; give auto, json or none", value);
+    }
+    return 1;
+}
+
 /* One "--name value" or "--name=value"; returns how many arguments it took. */
 static int parse_one(options *out, times *when, int argc, char **argv, unsigned takes, const char *command, more_options more, void *context)
 {
@@ -241,16 +285,15 @@ static int parse_one(options *out, times *when, int argc, char **argv, unsigned 
     int known;
 
     if (strncmp(argv[0], "--", 2) != 0 || length >= sizeof(name)) {
-        die(EXIT_USAGE, "%s: '%s' is not an option; see kelly --help", command, argv[0]);
+        die(EXIT_USAGE, "%s: '%s' is not an option; see kelly %s --help", command, argv[0], command);
     }
     memcpy(name, argv[0], length);
     name[length] = '\0';
-    if (takes & TAKES_ENSEMBLE && strcmp(name, "--convergence") == 0 && !equals) {
-        out->convergence = 1;
+    if (!equals && parse_flag(out, name, takes)) {
         return 1;
     }
     value = equals ? equals + 1 : argc > 1 ? argv[1] : "";
-    known = (takes & TAKES_CASE && parse_case(out, when, name, value)) ||
+    known = parse_common(out, name, value) || (takes & TAKES_CASE && parse_case(out, when, name, value)) ||
             (takes & (TAKES_ENSEMBLE | TAKES_SIMULATE) && parse_random(out, name, value, takes));
     if (!known && takes & TAKES_JSON && strcmp(name, "--json") == 0) {
         out->json = value;
@@ -258,10 +301,10 @@ static int parse_one(options *out, times *when, int argc, char **argv, unsigned 
     }
     known = known || (more && more(context, name, value));
     if (!known) {
-        die(EXIT_USAGE, "%s: unknown option %s; see kelly --help", command, name);
+        die(EXIT_USAGE, "%s: unknown option %s; see kelly %s --help", command, name, command);
     }
     if (*value == '\0') {
-        die(EXIT_USAGE, "%s: needs a value; see kelly --help", name);
+        die(EXIT_USAGE, "%s: needs a value; see kelly %s --help", name, command);
     }
     return equals ? 1 : 2;
 }
@@ -274,13 +317,16 @@ void options_parse(options *out, int argc, char **argv, unsigned takes, const ch
                    .window_given = 2 };   /* 2: the well file's, dropped when another duration is asked for */
     const char *error;
 
-    *out = (options){ .run = *nominal, .out_step = 0.01, .seed = 1, .samples = 400 };
+    *out = (options){ .run = *nominal, .seed = 1, .samples = 400 };
     for (int i = 0; i < argc;) {
         i += parse_one(out, &when, argc - i, &argv[i], takes, command, more, context);
     }
     settle_times(out, &when);
     if ((uint64_t)out->first + out->samples > (uint64_t)UINT32_MAX + 1) {
         die(EXIT_USAGE, "--first %u --samples %u: indices end at 4294967295", out->first, out->samples);
+    }
+    if (out->csv && out->json && strcmp(out->csv, out->json) == 0) {
+        die(EXIT_USAGE, "--csv %s --json %s: one place for two results; give each its own", out->csv, out->json);
     }
     error = kelly_case_error(&kelly_string, &out->run);
     if (error) {

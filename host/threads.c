@@ -75,17 +75,6 @@ static void *worker(void *context)
     return 0;
 }
 
-/* "12345 of 1000000 (1.2 %), 190000/s, 5 s left" on a terminal. */
-static void progress(const options *opts, uint64_t done, double since)
-{
-    const double rate = (double)done / (since > 1e-3 ? since : 1e-3);
-
-    if (done > 0) {
-        fprintf(stderr, "\r%llu of %u (%.1f %%), %.0f/s, %.0f s left   ", (unsigned long long)done, opts->samples,
-                100.0 * (double)done / (double)opts->samples, rate, (double)(opts->samples - done) / rate);
-    }
-}
-
 static void watch_batch(batch *b, uint32_t before, double start)
 {
     const struct timespec nap = { .tv_nsec = 20000000 };
@@ -95,7 +84,7 @@ static void watch_batch(batch *b, uint32_t before, double start)
         nanosleep(&nap, 0);
         if (now() - shown > 0.25) {
             shown = now();
-            progress(b->opts, (uint64_t)before + atomic_load(&b->done), shown - start);
+            progress_show(b->opts, (uint64_t)before + atomic_load(&b->done), b->opts->samples, shown - start);
         }
     }
 }
@@ -122,7 +111,7 @@ static void run_batch(batch *b, unsigned threads, pthread_t *ids, uint32_t befor
             die(EXIT_FAILED, "cannot start thread %u of %u; give fewer --threads", t + 1, threads);
         }
     }
-    if (isatty(STDERR_FILENO)) {
+    if (progress_wanted(b->opts)) {
         watch_batch(b, before, start);
     }
     for (unsigned t = 0; t < threads; t++) {
@@ -148,8 +137,8 @@ void run_job(const options *opts, const job *what, batch_sink sink, void *contex
         run_batch(&b, threads, ids, done, start);
         sink(context, b.first, b.count, b.results);
     }
-    if (isatty(STDERR_FILENO)) {
-        fprintf(stderr, "\r%70s\r", "");
+    if (progress_wanted(opts)) {
+        progress_end(opts, opts->samples, now() - start);
     }
     free(b.results);
     free(ids);

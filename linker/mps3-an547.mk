@@ -7,5 +7,5 @@ FLOAT := hard
 DOUBLE := hard
 QEMU := qemu-system-arm -M mps3-an547
 CPU_HZ := 32000000
-COUNT_HZ := 10000000
+COUNT_HZ := 20000000
 ICOUNT_SHIFT := 10

@@ -28,6 +28,7 @@ USAGE = [
     *(f"{MC} --start {value}" for value in ("REST", "moving", "0", "''")),
     *(f"{MC} --engine {value}" for value in ("mmx", "AVX2", "''")),
     *(f"{SIM} --sample {value}" for value in ("-1", "abc", "1.5", "4294967296")),
+    f"{MC} --csv - --json -", f"{MC} --csv same --json same",   # one would be lost in the other
     "simulate --step 0.005", "simulate --wob 0.5", "simulate --wob 2000", "simulate --mu 1", "simulate --alpha1 100",
 ]
 

@@ -38,8 +38,7 @@ class Sizes:
         self.entry = "cortexm_start" if arm else "riscv_start"
         # On entry the core stores 8 words, 26 with an FPU, and may align by one more.
         stored = 108 if settings["FLOAT"] == "hard" else 36
-        handler = "board_interrupt" if settings["BOARD"] == "microbit" else "tick_interrupt"
-        self.interrupt = f"{handler}+{stored}" if arm else None
+        self.interrupt = f"board_interrupt+{stored}" if arm else None
 
     def sections(self, files):
         """{text, data, bss} summed, from `size` in Berkeley form: constants count as text."""

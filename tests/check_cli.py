@@ -290,6 +290,8 @@ def check_refused():
         claim(f"{crc32c(b''.join(map(record, rows))):08x}" == r["digest"], f"{what}: digest")
     r = report("float", "--step 0.02 --out-step 0.02 --samples 5 --duration 2")
     claim(r["probability"] is None and r["ci95"] == [0, 1], f"all refused: {r['probability']} {r['ci95']}")
+    result = kelly("float", "montecarlo --step 0.004 --samples 2 --duration 4")
+    claim(result.returncode == 0, f"montecarlo minds an --out-step that nobody gave and it has no use for: {result.stderr.strip()}")
     r = report("float", "--wob 60 --mu 0.004 --samples 400 --duration 1")
     claim(0.15 <= r["liftoff"] / 400 <= 0.30, f"--wob 60: {r['liftoff']} of 400 lift off, not some 22 %")
     said = kelly("float", "simulate --step 0.005").stderr

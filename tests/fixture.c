@@ -41,13 +41,13 @@ wide fixture_abs(wide x)
     return x < 0 ? -x : x;
 }
 
-/* w_i = 30 + 60 i rad/s, one weight on the bit: at 1 ms the fastest mode has h w = 1.17, far from negligible. */
+/* w_i = 30 + 60 i rad/s, one weight on the bit: at 2 ms the fastest mode has h w = 2.34, far from negligible. */
 #define W2(i) (R(30.0) + R(60.0) * i) * (R(30.0) + R(60.0) * i)
 static const real fast_w2[KELLY_MODES_MAX] = { W2(0), W2(1), W2(2), W2(3), W2(4), W2(5), W2(6), W2(7), W2(8), W2(9),
                                                W2(10), W2(11), W2(12), W2(13), W2(14), W2(15), W2(16), W2(17), W2(18), W2(19) };
 static const real fast_b[KELLY_MODES_MAX] = {
-    R(0.09), R(0.08), R(0.07), R(0.06), R(0.06), R(0.05), R(0.05), R(0.05), R(0.04), R(0.04),
-    R(0.04), R(0.04), R(0.04), R(0.03), R(0.03), R(0.03), R(0.03), R(0.03), R(0.03), R(0.03) };
+    R(0.08), R(0.08), R(0.08), R(0.08), R(0.08), R(0.08), R(0.08), R(0.08), R(0.08), R(0.08),
+    R(0.08), R(0.08), R(0.08), R(0.08), R(0.08), R(0.08), R(0.08), R(0.08), R(0.08), R(0.08) };
 static const real fast_d[KELLY_MODES_MAX] = {
     R(10.0), R(-3.0), R(2.0), R(-1.5), R(1.0), R(-0.8), R(0.7), R(-0.6), R(0.5), R(-0.4),
     R(0.4), R(-0.3), R(0.3), R(-0.3), R(0.2), R(-0.2), R(0.2), R(-0.2), R(0.2), R(-0.2) };

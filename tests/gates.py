@@ -16,12 +16,9 @@ import time
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 PYTHON = sys.executable
 
-PACKAGES = ("gcc g++ clang make binutils python3 python3-numpy python3-scipy gcc-arm-none-eabi libnewlib-arm-none-eabi "
-            "gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf qemu-system-arm qemu-system-misc").split()
-
 # name: (group, timeout in s, command). Long ones first, so that the last to end is a short one.
 GATES = {
-    "targets": ("test", 900, f"{PYTHON} tests/check_targets.py"),
+    "tests on boards": ("test", 900, f"{PYTHON} tests/check_on_targets.py"),
     "command line": ("test", 600, f"{PYTHON} tests/check_cli.py"),
     "digests": ("test", 900, f"{PYTHON} tests/check_digests.py"),
     "generator": ("test", 300, f"{PYTHON} tests/check_gen.py"),
@@ -31,6 +28,8 @@ GATES = {
     "lanes, float": ("test", 300, "make -s unit && build/host/lanes"),
     "lanes, double": ("test", 300, "make -s unit REAL=double && build/host-double/lanes"),
     "accuracy, float": ("test", 300, "make -s unit && build/host/accuracy"),
+    "vectors": ("test", 120, f"{PYTHON} tests/vectors/make_vectors.py --check"),
+    "boards": ("test", 900, f"{PYTHON} tests/check_targets.py"),
     "accuracy, double": ("test", 300, "make -s unit REAL=double && build/host-double/accuracy"),
 }
 

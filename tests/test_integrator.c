@@ -57,6 +57,7 @@ static void keeps_fast_terms(void)
     fixture_case(&run, 1000);
     run.torsional = KELLY_MODES_MAX;
     run.mu = R(0.01);
+    run.step_ns = 2000000;
     CLOSE(distance(&fixture_fast, BY_LENGTH(300, 1000)), 0, BY_REAL(1e-4, 1e-11));
     CHECK(fixture.against.block.full);
     fixture_case(&run, 1000);

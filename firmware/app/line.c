@@ -14,7 +14,9 @@ int line_ask(char line[LINE_MAX])
             line[length] = '\0';
             return length;
         }
-        if (byte >= 0 && length < LINE_MAX - 1)
+        if (byte < 0)
+            board_idle();
+        else if (length < LINE_MAX - 1)
             line[length++] = (char)byte;
     }
     line[0] = '\0';

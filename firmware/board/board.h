@@ -25,7 +25,8 @@ void board_init(void);
 /* Send one byte; waits for the transmitter, at most BOARD_POLLS (then the byte is lost). */
 void board_write(uint8_t byte);
 
-/* The next received byte, -1 when there is none. Does not wait. */
+/* The next received byte, -1 when there is none. Does not wait. Received bytes are kept while the program computes (256 on
+ * Cortex-M, 16 on virt), but not while interrupts are held. Wait for one with board_idle, not by spinning. */
 int board_read(void);
 
 /* Time since board_init [ms], wraps after 49 days. */

@@ -27,7 +27,7 @@ typedef struct {
     const peer *who;
     const side *kelly;
     unsigned engine, count;      /* kelly's */
-    char name[80];
+    char name[80], told[80];     /* the setting that the other side told */
     double ns[NOMINAL_ROUNDS], drawn[DRAWN_ROUNDS];
     unsigned n, n_drawn;
     double error;                /* on the nominal realisation [rpm] */
@@ -38,6 +38,7 @@ typedef struct {
 static contestant list[CONTESTANTS_MAX];
 static unsigned contestants;
 static problem nominal, drawn[DRAWS];
+static long draws[DRAWS];          /* their indices */
 static double *reference, *drawn_reference[DRAWS];
 static FILE *results;
 static FILE *to_python, *from_python;
@@ -118,7 +119,7 @@ static contestant *add(const char *name)
     if (contestants > CONTESTANTS_MAX) {
         abort();
     }
-    snprintf(c->name, sizeof(c->name), "%s", name);
+    snprintf(c->name, sizeof(c->name), "%.79s", name);
     return c;
 }
 
@@ -163,7 +164,7 @@ static void add_peers(void)
 static void add_python(char **command)
 {
     int ours[2], theirs[2];
-    char line[80];
+    char line[160];
 
     if (pipe(ours) != 0 || pipe(theirs) != 0) {
         return;
@@ -184,8 +185,13 @@ static void add_python(char **command)
     fwrite(reference, sizeof(*reference), STEPS * FINE + 1, to_python);
     fflush(to_python);
     while (fgets(line, sizeof(line), from_python) && line[0] != '\n') {
+        char *const tab = strchr(line, '\t');
+
         line[strcspn(line, "\n")] = '\0';
-        add(line);
+        if (tab) {
+            *tab = '\0';
+            snprintf(add(line)->told, sizeof(list[0].told), "%.79s", tab + 1);
+        }
     }
 }
 
@@ -202,7 +208,7 @@ static void choose_problems(void)
         side_double.problem(j, &drawn[found]);
         drawn_reference[found] = make_reference(&drawn[found]);
         if (side_double.trace(j, drawn_reference[found]) < SMOOTH * RPM) {
-            found++;
+            draws[found++] = j;
         } else {
             free(drawn_reference[found]);
         }
@@ -221,6 +227,9 @@ static unsigned check_all(void)
 
         if (c->kelly) {
             c->error = c->kelly->trace(-1, reference) / RPM;
+            for (unsigned j = 0; j < DRAWS; j++) {
+                c->worst = fmax(c->worst, c->kelly->trace(draws[j], drawn_reference[j]) / RPM);
+            }
         } else if (c->who) {
             run_peer(c->who, &nominal, &c->who->set, reference, &o);
             c->error = o.steps > 1 ? o.error / RPM : (double)NAN;
@@ -248,16 +257,6 @@ static void check_digests(const side *s)
     }
 }
 
-static const peak *const peaks[] = { &peak_sse2, &peak_avx2, &peak_avx512, &peak_fma_128, &peak_fma_256, &peak_fma_512 };
-#define PEAKS (sizeof(peaks) / sizeof(peaks[0]))
-static double peak_rates[PEAKS][2][NOMINAL_ROUNDS];
-
-static int usable(const peak *p)
-{
-    return strstr(p->name, "fma") ? __builtin_cpu_supports("fma") && (p->bits < 512 || __builtin_cpu_supports("avx512f"))
-                                  : p->bits == 128 || (p->bits == 256 && __builtin_cpu_supports("avx2")) || (p->bits == 512 && __builtin_cpu_supports("avx512f"));
-}
-
 static void nominal_rounds(void)
 {
     for (unsigned r = 0; r < NOMINAL_ROUNDS; r++) {
@@ -268,18 +267,10 @@ static void nominal_rounds(void)
                 c->ns[c->n < NOMINAL_ROUNDS ? c->n++ : 0] = run_once(c);
             }
         }
-        for (unsigned p = 0; p < PEAKS; p++) {
-            peak_rates[p][0][r] = usable(peaks[p]) ? peaks[p]->float_rate(0.01) : 0;
-            peak_rates[p][1][r] = usable(peaks[p]) ? peaks[p]->double_rate(0.01) : 0;
-        }
+        peaks_round(r);
         fprintf(stderr, "\rround %u of %u  ", r + 1, NOMINAL_ROUNDS);
     }
-    for (unsigned p = 0; p < PEAKS; p++) {
-        if (usable(peaks[p])) {
-            record("peak", "\"unit\": \"%s\", \"bits\": %u, \"float\": %.2f, \"double\": %.2f", peaks[p]->name, peaks[p]->bits,
-                   median(peak_rates[p][0], NOMINAL_ROUNDS), median(peak_rates[p][1], NOMINAL_ROUNDS));
-        }
-    }
+    peaks_record(NOMINAL_ROUNDS);
 }
 
 /* Whether no other build of the same peer was faster. */
@@ -323,26 +314,30 @@ static void record_contestants(void)
 {
     for (unsigned i = 0; i < contestants; i++) {
         const contestant *const c = &list[i];
-        char extra[200] = "";
+        char extra[200] = "", error[24] = "null";
+
+        if (isfinite(c->error)) {
+            snprintf(error, sizeof(error), "%.4g", c->error);
+        }
 
         if (c->kelly) {
             unsigned width, lanes;
 
-            snprintf(extra, sizeof(extra), ", \"kelly\": \"%s\", \"engine\": \"%s\", \"count\": %u", c->kelly->precision,
-                     c->kelly->engine(c->engine, &width, &lanes), c->count);
+            snprintf(extra, sizeof(extra), ", \"kelly\": \"%s\", \"engine\": \"%s\", \"count\": %u, \"drawn_error_rpm\": %.4g",
+                     c->kelly->precision, c->kelly->engine(c->engine, &width, &lanes), c->count, c->worst);
         } else if (c->n_drawn > 0) {
             snprintf(extra, sizeof(extra), ", \"drawn_ns\": %.4f, \"drawn_error_rpm\": %.4g", median(c->drawn, c->n_drawn), c->worst);
         }
-        record("time", "\"name\": \"%s\", \"flags\": \"%s\", \"h\": %g, \"rtol\": %g, \"atol\": %g, \"ok\": %s, \"error_rpm\": %.4g, \"rounds\": %u, \"ns\": %.4f%s",
-               c->name, c->who ? c->who->flags : "", c->who ? c->who->set.h : 1e-3, c->who ? c->who->set.rtol : 0, c->who ? c->who->set.atol : 0,
-               c->good ? "true" : "false", c->error, c->n, c->good ? median(c->ns, c->n) : -1.0, extra);
+        record("time", "\"name\": \"%s\", \"flags\": \"%s\", \"told\": \"%s\", \"h\": %g, \"rtol\": %g, \"atol\": %g, \"ok\": %s, \"error_rpm\": %s, \"rounds\": %u, \"ns\": %.4f%s",
+               c->name, c->who ? c->who->flags : c->kelly ? "as built" : "", c->told, c->who ? c->who->set.h : 1e-3, c->who ? c->who->set.rtol : 0, c->who ? c->who->set.atol : 0,
+               c->good ? "true" : "false", error, c->n, c->good ? median(c->ns, c->n) : -1.0, extra);
     }
 }
 
 /* How the settings of the adaptive peers were found: error, steps and least time against tolerances and longest step. */
 static void scan(const char *name)
 {
-    static const double ratios[] = { 0.1, 1, 10, 100 }, longest[] = { 1, 4.2e-3, 3.9e-3, 3.6e-3, 3.3e-3 };
+    static const double ratios[] = { 0.1, 1, 10, 100 }, longest[] = { 1, 4.4e-3, 4.2e-3, 4e-3, 3.6e-3 };
 
     for (unsigned i = 0; i < contestants; i++) {
         const peer *const p = list[i].who;

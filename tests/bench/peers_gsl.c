@@ -62,6 +62,6 @@ static void rkf45(const problem *p, const setting *set, observer *o)
 
 const peer NAME[] = {
     { "GSL rk4, 2 ms", FLAGS, { .h = 2e-3 }, ERROR_LIMIT, 1, fixed },
-    { "GSL rkf45", FLAGS, { .h = 3.5e-3, .rtol = 1e-5, .atol = 1e-4 }, ERROR_LIMIT, 1, rkf45 },
+    { "GSL rkf45", FLAGS, { .h = 3.6e-3, .rtol = 1e-4, .atol = 1e-4 }, ERROR_LIMIT, 1, rkf45 },
     { 0 },
 };

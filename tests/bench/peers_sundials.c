@@ -94,7 +94,7 @@ static void adams(const problem *p, const setting *set, observer *o)
 
 const peer NAME[] = {
     { "SUNDIALS ERKStep, RK4", FLAGS, { .h = 1e-3 }, ERROR_LIMIT, 1, erk_rk4 },
-    { "SUNDIALS ERKStep, Dormand-Prince 5", FLAGS, { .h = 4e-3, .rtol = 1e-5, .atol = 1e-5 }, ERROR_LIMIT, 1, erk_pair },
-    { "SUNDIALS CVODE, Adams", FLAGS, { .h = 1, .rtol = 5.6e-8, .atol = 5.6e-8 }, ERROR_LIMIT, 1, adams },
+    { "SUNDIALS ERKStep, Dormand-Prince 5", FLAGS, { .h = 4.4e-3, .rtol = 1.8e-5, .atol = 1.8e-4 }, ERROR_LIMIT, 1, erk_pair },
+    { "SUNDIALS CVODE, Adams", FLAGS, { .h = 1, .rtol = 1.65e-7, .atol = 1.65e-7 }, ERROR_LIMIT, 1, adams },
     { 0 },
 };

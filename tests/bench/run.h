@@ -39,6 +39,10 @@ typedef struct {
     double (*float_rate)(double seconds), (*double_rate)(double seconds);   /* [1e9 lane operations / s] */
 } peak;
 
+/* Measure all units as round `round`; write the medians of so many rounds. */
+void peaks_round(unsigned round);
+void peaks_record(unsigned rounds);
+
 extern const peak peak_sse2, peak_avx2, peak_avx512, peak_fma_128, peak_fma_256, peak_fma_512;
 
 #endif

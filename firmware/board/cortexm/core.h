@@ -7,7 +7,7 @@
 #define SYST_CSR   REG(0xE000E010)   /* SysTick: control, reload, value */
 #define SYST_RVR   REG(0xE000E014)
 #define SYST_CVR   REG(0xE000E018)
-#define NVIC_ISER0 REG(0xE000E100)
+#define NVIC_ISER  ((volatile uint32_t *)0xE000E100)   /* enable interrupt n: bit n % 32 of word n / 32 */
 #define SCB_VTOR   REG(0xE000ED08)
 #define SCB_CCR    REG(0xE000ED14)
 #define SCB_SHCSR  REG(0xE000ED24)
@@ -64,7 +64,13 @@ void tick_interrupt(void);
 /* Start DWT CYCCNT; afterwards board_counts_cycles() tells whether it runs. */
 void cycles_start(void);
 
-/* All device interrupts; a board that enables one defines it. */
+/* A byte from the UART's interrupt, for board_read. Interrupts are of one priority: they do not nest. */
+void received(uint8_t byte);
+
+/* Let device interrupt 0..47 in. */
+void interrupt_on(uint32_t number);
+
+/* All device interrupts; each board defines it. */
 void board_interrupt(void);
 
 #endif

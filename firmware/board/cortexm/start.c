@@ -39,8 +39,6 @@ __attribute__((section(".start"))) _Noreturn void cortexm_start(void)
     board_exit(main());
 }
 
-__attribute__((weak)) void board_interrupt(void) { unexpected_interrupt(); }
-
 #define WRONG (uintptr_t)unexpected_interrupt
 #define FAULT (uintptr_t)fault_entry
 #define DEVICE (uintptr_t)board_interrupt
@@ -67,6 +65,33 @@ void tick_start(uint32_t hz)
     SYST_CVR = 0;
     SYST_CSR = 7;   /* core clock, interrupt, on */
 }
+
+/* Received bytes wait here until the program asks, so that it may compute or sleep meanwhile: 20 ms at 115200. One writer,
+ * the interrupt, and one reader. Polling the UART instead would starve an emulator's other thread, which brings the bytes. */
+#define RING 256u
+static volatile uint8_t ring[RING];
+static volatile uint32_t ring_in, ring_out;
+
+void received(uint8_t byte)
+{
+    if (ring_in - ring_out == RING)
+        return;   /* nobody reads: the newest is lost */
+    ring[ring_in % RING] = byte;
+    ring_in++;
+}
+
+int board_read(void)
+{
+    int byte;
+
+    if (ring_in == ring_out)
+        return -1;
+    byte = ring[ring_out % RING];
+    ring_out++;
+    return byte;
+}
+
+void interrupt_on(uint32_t number) { NVIC_ISER[number / 32u] = 1u << number % 32u; }
 
 /* QEMU has no DWT: CYCCNT reads 0 for ever. */
 void cycles_start(void)

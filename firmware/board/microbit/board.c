@@ -31,8 +31,10 @@ static void start_uart(void)
     UART(0x514) = RX_PIN;
     UART(0x524) = 0x01D7E000;         /* 115200 */
     UART(0x500) = 4;
+    UART(0x304) = 1u << 2;            /* interrupt at RXDRDY */
     UART(0x008) = 1;                  /* STARTTX, STARTRX */
     UART(0x000) = 1;
+    interrupt_on(2);
 }
 
 static void start_timers(void)
@@ -46,7 +48,7 @@ static void start_timers(void)
     TIMER1(0x200) = 1;                /* clear at compare 0 */
     TIMER1(0x304) = 1u << 16;         /* interrupt at compare 0 */
     TIMER1(0x000) = 1;
-    NVIC_ISER0 = 1u << 9;
+    interrupt_on(9);
 }
 
 void board_init(void)
@@ -58,8 +60,14 @@ void board_init(void)
 
 void board_interrupt(void)
 {
-    TIMER1(0x140) = 0;
-    tick();
+    if (TIMER1(0x140) != 0) {
+        TIMER1(0x140) = 0;
+        tick();
+    }
+    if (UART(0x108) != 0) {
+        UART(0x108) = 0;              /* before the byte is taken: the next one may be behind it */
+        received((uint8_t)UART(0x518));
+    }
 }
 
 /* The UART announces the byte that has left (TXDRDY), not room for the next one. */
@@ -69,14 +77,6 @@ void board_write(uint8_t byte)
     UART(0x51C) = byte;
     for (uint32_t polls = 0; polls < BOARD_POLLS && UART(0x11C) == 0; polls++)
         ;
-}
-
-int board_read(void)
-{
-    if (UART(0x108) == 0)
-        return -1;
-    UART(0x108) = 0;
-    return (int)(UART(0x518) & 0xFFu);
 }
 
 uint32_t board_count(void)

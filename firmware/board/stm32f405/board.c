@@ -88,7 +88,8 @@ static void start_uart(uint32_t apb2_hz)
     GPIOA_AFRH = (GPIOA_AFRH & ~(0xFFu << 4)) | 0x77u << 4;      /* AF7 */
     GPIOA_PUPDR = (GPIOA_PUPDR & ~(3u << 20)) | 1u << 20;        /* an open input must not look like a start bit */
     USART1_BRR = (apb2_hz + 57600u) / 115200u;
-    USART1_CR1 = 1u << 13 | 1u << 3 | 1u << 2;
+    USART1_CR1 = 1u << 13 | 1u << 5 | 1u << 3 | 1u << 2;         /* on, interrupt on receive, transmit, receive */
+    interrupt_on(37);
 }
 
 /* TIM2 for the emulator, where it counts ns; on silicon CYCCNT runs and TIM2 is not read. */
@@ -110,6 +111,15 @@ void board_init(void)
     tick_start(hz);
 }
 
+/* Reading SR, then DR, clears both the byte (bit 5) and an overrun (bit 3), which would interrupt for ever. */
+void board_interrupt(void)
+{
+    uint32_t status = USART1_SR, byte = USART1_DR;
+
+    if ((status & (1u << 5)) != 0)
+        received((uint8_t)byte);
+}
+
 void board_write(uint8_t byte)
 {
     for (uint32_t polls = 0; polls < BOARD_POLLS; polls++)
@@ -119,5 +129,4 @@ void board_write(uint8_t byte)
         }
 }
 
-int board_read(void) { return (USART1_SR & (1u << 5)) != 0 ? (int)(USART1_DR & 0xFFu) : -1; }
 uint32_t board_count(void) { return board_counts_cycles() ? DWT_CYCCNT : TIM2_CNT; }

@@ -42,6 +42,7 @@ void board_write(uint8_t byte)
         }
 }
 
+/* The FIFO holds 16 bytes, more than come at 115200 in the tick that board_idle may sleep. */
 int board_read(void) { return (UART(5) & 1u) != 0 ? (int)UART(0) : -1; }
 uint32_t board_ticks(void) { return (uint32_t)((mtime() - start) / MTIME_PER_MS); }
 

@@ -1,0 +1,147 @@
+#include "envelope.h"
+
+#include "detmath.h"
+
+#define TARGETS 3
+#define GRAIN R(0.3)             /* 3 pi / 0.3 = 31 clusters at least, about 60 as neighbours that just do not fit remain apart */
+#define KEEP 72u                 /* clusters left by a pass at most: the rest is room for values to come */
+#define COUNT_MAX 16777216u      /* 2^24: every rank is exact in float */
+
+static const real targets[TARGETS] = { R(0.025), R(0.5), R(0.975) };
+
+void kelly_envelope_clear(kelly_envelope *envelope)
+{
+    envelope->n = envelope->used = 0;
+    envelope->grain = GRAIN;
+    envelope->mean = envelope->m2 = 0;
+}
+
+/* Position of each target among the ranks 0..n-1, and the standard error of its rank. */
+typedef struct {
+    real rank[TARGETS], s[TARGETS];
+    real most;                   /* values in a cluster, wherever it is: keeps sorted streams within bounds */
+} ruler;
+
+static void measure(const kelly_envelope *envelope, ruler *r)
+{
+    const real n = (real)envelope->n;
+
+    r->most = n / R(32.0);
+    for (unsigned k = 0; k < TARGETS; k++) {
+        r->rank[k] = targets[k] * (n - 1);
+        r->s[k] = (real)kelly_sqrt32((float)(n * targets[k] * (1 - targets[k])));
+    }
+}
+
+/* Whether the ranks first .. first + count - 1 may be one cluster. */
+static int may_merge(const ruler *r, real grain, real first, real count)
+{
+    const real last = first + count - 1;
+
+    if (count > r->most) {
+        return 0;
+    }
+    for (unsigned k = 0; k < TARGETS; k++) {
+        const real below = first - r->rank[k], above = r->rank[k] - last;
+        const real d = below > 0 ? below : above > 0 ? above : 0;
+
+        if (count > grain * (r->s[k] + d * d / r->s[k])) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* One pass from the lowest value up: each cluster takes in its next neighbour where it may. */
+static void merge_neighbours(kelly_envelope *e, const ruler *r)
+{
+    uint32_t to = 0, first = 0;
+
+    for (uint32_t i = 1; i < e->used; i++) {
+        const uint32_t count = e->weight[to] + e->weight[i];
+
+        if (may_merge(r, e->grain, (real)first, (real)count)) {
+            e->value[to] += (e->value[i] - e->value[to]) * ((real)e->weight[i] / (real)count);
+            e->weight[to] = count;
+        } else {
+            first += e->weight[to++];
+            e->value[to] = e->value[i];
+            e->weight[to] = e->weight[i];
+        }
+    }
+    e->used = to + 1;
+}
+
+/* Make room. `most` leaves 64 clusters of n / 32 apart at worst, so that a larger grain always ends below KEEP. */
+static void make_room(kelly_envelope *e)
+{
+    ruler r;
+
+    measure(e, &r);
+    merge_neighbours(e, &r);
+    while (e->used > KEEP) {
+        e->grain *= R(1.25);
+        merge_neighbours(e, &r);
+    }
+}
+
+static void add_moments(kelly_envelope *e, real x)
+{
+    const real away = x - e->mean;
+
+    e->mean += away / (real)e->n;
+    e->m2 += away * (x - e->mean);
+}
+
+int kelly_envelope_add(kelly_envelope *e, real x)
+{
+    uint32_t at;
+
+    if (!(x > R(-1e18) && x < R(1e18)) || e->n >= COUNT_MAX) {
+        return 0;
+    }
+    if (e->used == KELLY_CLUSTERS) {
+        make_room(e);
+    }
+    for (at = e->used; at > 0 && e->value[at - 1] > x; at--) {
+        e->value[at] = e->value[at - 1];
+        e->weight[at] = e->weight[at - 1];
+    }
+    e->value[at] = x;
+    e->weight[at] = 1;
+    e->used++;
+    e->n++;
+    add_moments(e, x);
+    return 1;
+}
+
+real kelly_envelope_quantile(const kelly_envelope *e, real p)
+{
+    const real rank = p * ((real)e->n - 1);
+    real middle, last_middle = 0;
+    uint32_t first = 0;
+
+    for (uint32_t i = 0; i < e->used; i++) {
+        middle = (real)first + R(0.5) * (real)(e->weight[i] - 1);
+        if (rank <= middle) {
+            return i == 0 ? e->value[0]
+                          : e->value[i - 1] + (e->value[i] - e->value[i - 1]) * ((rank - last_middle) / (middle - last_middle));
+        }
+        last_middle = middle;
+        first += e->weight[i];
+    }
+    return e->used ? e->value[e->used - 1] : 0;
+}
+
+void kelly_envelope_read(const kelly_envelope *e, kelly_band *band)
+{
+    *band = (kelly_band){ 0 };
+    if (e->n == 0) {
+        return;
+    }
+    band->mean = e->mean;
+    band->sd = (real)kelly_sqrt32((float)(e->m2 / (real)e->n));
+    band->low = kelly_envelope_quantile(e, targets[0]);
+    band->median = kelly_envelope_quantile(e, targets[1]);
+    band->high = kelly_envelope_quantile(e, targets[2]);
+}

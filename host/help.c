@@ -1,0 +1,177 @@
+/* help.c - what `kelly`, `kelly --help` and `kelly COMMAND --help` print. The man page (manual.c) is made from the same
+ * tables, and the bash completion asks --help: an option is described in one place. */
+#include <string.h>
+
+#include "host.h"
+
+#define CASES 14
+
+/* Options that several subcommands share; the parsers stand in options.c. */
+static const option_help case_options[CASES + 1] = {
+    { "--rpm", "R", "top speed [rpm]" },
+    { "--wob", "KN", "weight on bit |f_c| [kN]" },
+    { "--f0", "KN", "amplitude of the weight [kN]" },
+    { "--mu", "M", "bit-rock factor mu [m]" },
+    { "--alpha1", "A", "alpha_1 of the torque law [s/rad]" },
+    { "--alpha2", "A", "alpha_2 of the torque law [s2/rad2]" },
+    { "--start", "rest|rotating", "state of the string at t = 0" },
+    { "--duration", "T", "length of the run [s], a multiple of the step" },
+    { "--window", "FROM:TO", "where severity is taken [s]; with --duration: its last half" },
+    { "--step", "H", "RK4 step [s]" },
+    { "--out-step", "H", "between output times [s]" },
+    { "--limit", "S", "severity above which a run counts as stick-slip" },
+    { "--torsional", "N", "torsional modes" },
+    { "--axial", "N", "axial modes, the rigid one included" },
+    { 0 },
+};
+static const option_help random_options[] = {
+    { "--cov", "D", "coefficients of variation 0..0.5 of the gamma laws: one for all, or fc=D,mu=D,a1=D,a2=D,rpm=D, where what is not "
+      "named is not random (default: the well file's)" },
+    { "--seed", "S", "of the random streams (default 1)" },
+    { 0 },
+};
+static const option_help ensemble_options[] = {
+    { "--samples", "N", "realisations (default 400)" },
+    { "--first", "J", "index of the first one (default 0)" },
+    { "--threads", "T", "threads (default: one a processor); no result depends on it" },
+    { "--csv", "F", "one line a realisation, in the order of the indices; - is stdout" },
+    { "--convergence", 0, "the paper's convergence function, at 1, 2, 5, 10, 20, ... realisations" },
+    { "--engine", "NAME", "vector unit: scalar, sse2, avx2, avx512 (default: the widest here); no result depends on it" },
+    { 0 },
+};
+static const option_help simulate_options[] = {
+    { "--out", "F.csv", "the run in time (default: stdout)" },
+    { "--field", "F.npy|F.csv", "displacement [m] and twist [rad] along the string at every output time" },
+    { "--sample", "J", "realisation J of --seed and --cov instead of the nominal case" },
+    { 0 },
+};
+static const option_help json_options[] = {
+    { "--json", "F", "the result as JSON; - is stdout" },
+    { 0 },
+};
+static const option_help common_options[] = {
+    { "--quiet", 0, "no summary and no progress: only the files that were asked for, and errors" },
+    { "--progress", "auto|json|none", "on stderr: a line on a terminal (auto, the default), JSON objects one a line, or nothing" },
+    { "--help", 0, "this text" },
+    { 0 },
+};
+
+static const option_group groups[] = {
+    { "Case; the defaults are the well file's", TAKES_CASE, case_options },
+    { "Randomness", TAKES_ENSEMBLE | TAKES_SIMULATE, random_options },
+    { "Ensemble", TAKES_ENSEMBLE, ensemble_options },
+    { "Output", TAKES_SIMULATE, simulate_options },
+    { "Result", TAKES_JSON, json_options },
+};
+
+/* Values that a run uses when nothing else is said, in the order of case_options. */
+static void case_defaults(char text[CASES][DEFAULT_TEXT])
+{
+    const kelly_case *const run = &kelly_string.nominal;
+    const double number[CASES] = {
+        (double)run->w0 / RPM, (double)run->fc / 1000.0, (double)run->f0 / 1000.0, (double)run->mu, (double)run->a1, (double)run->a2, 0,
+        case_seconds(run, run->ticks), 0, case_seconds(run, 1), 0.01, (double)run->limit, run->torsional, run->axial,
+    };
+
+    for (unsigned i = 0; i < CASES; i++) {
+        snprintf(text[i], DEFAULT_TEXT, " (default %.6g)", number[i]);
+    }
+    snprintf(text[6], DEFAULT_TEXT, " (default %s)", run->rotating ? "rotating" : "rest");
+    snprintf(text[8], DEFAULT_TEXT, " (default %.6g:%.6g)", case_seconds(run, run->window_first), case_seconds(run, run->window_last));
+}
+
+static void walk_one(const option_group *group, option_visit visit, void *context)
+{
+    char text[CASES][DEFAULT_TEXT];
+
+    case_defaults(text);
+    visit(context, group->title, 0, "");
+    for (unsigned i = 0; group->options[i].name; i++) {
+        visit(context, group->title, &group->options[i], group->options == case_options ? text[i] : "");
+    }
+}
+
+void help_walk(const subcommand *c, option_visit visit, void *context)
+{
+    if (c->help->own) {
+        walk_one(&(option_group){ "Its own", 0, c->help->own }, visit, context);
+    }
+    for (unsigned g = 0; g < sizeof(groups) / sizeof(groups[0]); g++) {
+        if (c->help->takes & groups[g].takes) {
+            walk_one(&groups[g], visit, context);
+        }
+    }
+    walk_one(&(option_group){ "Always", 0, common_options }, visit, context);
+}
+
+/* Words of the text, a new line under the column of the first before 110 characters. */
+static void print_wrapped(FILE *to, unsigned column, const char *text)
+{
+    unsigned at = column;
+
+    while (*text) {
+        const size_t word = strcspn(text, " ");
+
+        if (at + 1 + word > 110 && at > column) {
+            fprintf(to, "\n%*s", (int)column, "");
+            at = column;
+        }
+        at += (unsigned)fprintf(to, "%s%.*s", at > column ? " " : "", (int)word, text);
+        text += word + (text[word] == ' ');
+    }
+    fputc('\n', to);
+}
+
+static void print_option(void *context, const char *title, const option_help *option, const char *fallback)
+{
+    FILE *const to = context;
+    char left[64], text[512];
+
+    if (!option) {
+        fprintf(to, "\n%s%s%s\n", ink(to, "1"), title, ink(to, "0"));
+        return;
+    }
+    snprintf(left, sizeof(left), "%s%s%s", option->name, option->value ? " " : "", option->value ? option->value : "");
+    snprintf(text, sizeof(text), "%s%s", option->text, fallback);
+    fprintf(to, "  %-26s ", left);
+    print_wrapped(to, 29, text);
+}
+
+void help_command(FILE *to, const subcommand *c)
+{
+    fprintf(to, "%skelly %s%s: %s\n\nusage: kelly %s%s%s\n", ink(to, "1"), c->name, ink(to, "0"), c->help->brief, c->name,
+            c->help->synopsis[0] ? " " : "", c->help->synopsis);
+    help_walk(c, print_option, to);
+    if (c->help->notes) {
+        fprintf(to, "\n%s\n", c->help->notes);
+    }
+    fprintf(to, "\n%sExample%s\n  %s\n", ink(to, "1"), ink(to, "0"), c->help->example);
+}
+
+static void print_commands(FILE *to)
+{
+    for (unsigned i = 0; i < command_count; i++) {
+        fprintf(to, "  kelly %-12s %s\n", commands[i].name, commands[i].help->brief);
+    }
+}
+
+void help_short(FILE *to)
+{
+    fprintf(to, "kelly " KELLY_VERSION ": how likely is this drill string to stick and slip?  (string %s)\n\n", kelly_string.id);
+    fputs("Try first:  kelly montecarlo --mu 0.004\n\n", to);
+    print_commands(to);
+    fputs("\nkelly --help tells more, kelly COMMAND --help its options, units and defaults.\n", to);
+}
+
+void help_all(FILE *to)
+{
+    fprintf(to, "kelly " KELLY_VERSION ": how likely is this drill string to stick and slip?  (string %s)\n\n", kelly_string.id);
+    print_commands(to);
+    fputs("\nkelly COMMAND --help lists its options with units, defaults and an example.\n"
+          "Options are --name VALUE or --name=VALUE. A file \"-\" is stdout. With NO_COLOR set nothing is coloured.\n"
+          "Exit 0 done, 1 the run failed, 2 bad usage or input.\n\n"
+          "Examples:\n", to);
+    for (unsigned i = 0; i < command_count; i++) {
+        fprintf(to, "  %s\n", commands[i].help->example);
+    }
+}

@@ -1,0 +1,286 @@
+#include "journal.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "../firmware/link/crc32c.h"
+#include "host.h"
+
+#define MAGIC "KELLYJNL"
+#define VERSION 1u
+#define SYNC_EVERY 5.0           /* [s] */
+#define RECORD_MAX (JOURNAL_PAYLOAD_MAX + 8)
+
+/* The header: where each field lies. Names are cut to their length; the CRC of the whole model id is in `parameters`. */
+enum { AT_VERSION = 8, AT_REAL = 12, AT_PAYLOAD = 16, AT_RECORDS = 20, AT_PARAMETERS = 24, AT_SEED = 28, AT_KIND = 36, AT_MODEL = 52,
+       AT_CRC = 92, HEADER = 96 };
+
+void put_u32(uint8_t *to, uint32_t x)
+{
+    for (unsigned k = 0; k < 4; k++) {
+        to[k] = (uint8_t)(x >> (8 * k));
+    }
+}
+
+uint32_t get_u32(const uint8_t *from)
+{
+    return (uint32_t)from[0] | (uint32_t)from[1] << 8 | (uint32_t)from[2] << 16 | (uint32_t)from[3] << 24;
+}
+
+static double now(void)
+{
+    struct timespec t;
+
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void make_header(uint8_t header[HEADER], const journal_run *run)
+{
+    memset(header, 0, HEADER);
+    memcpy(header, MAGIC, 8);
+    put_u32(header + AT_VERSION, VERSION);
+    put_u32(header + AT_REAL, (uint32_t)sizeof(real));
+    put_u32(header + AT_PAYLOAD, run->payload);
+    put_u32(header + AT_RECORDS, run->records);
+    put_u32(header + AT_PARAMETERS, kelly_crc32c(run->parameters, (const uint8_t *)run->model, strlen(run->model)));
+    put_u32(header + AT_SEED, (uint32_t)run->seed);
+    put_u32(header + AT_SEED + 4, (uint32_t)(run->seed >> 32));
+    strncpy((char *)header + AT_KIND, run->kind, AT_MODEL - AT_KIND - 1);
+    strncpy((char *)header + AT_MODEL, run->model, AT_CRC - AT_MODEL - 1);
+    put_u32(header + AT_CRC, kelly_crc32c(0, header, AT_CRC));
+}
+
+/* Write all of it. A file that is full or broken ends the run; the records before this one stay good. */
+static void write_all(const journal *j, const uint8_t *bytes, size_t count)
+{
+    while (count > 0) {
+        const ssize_t n = write(j->fd, bytes, count);
+
+        if (n < 0 && errno == EINTR) {
+            continue;
+        }
+        if (n <= 0) {
+            die(EXIT_FAILED, "%s: could not be written: %s; what it holds is sound, go on with --resume", j->path, strerror(errno));
+        }
+        bytes += n;
+        count -= (size_t)n;
+    }
+}
+
+static void sync_now(journal *j)
+{
+    if (fdatasync(j->fd) != 0) {
+        die(EXIT_FAILED, "%s: could not be written: %s; what it holds is sound, go on with --resume", j->path, strerror(errno));
+    }
+    j->synced = now();
+}
+
+/* Open and lock. A file that its last writer removed between the two is not the one at the path any more: again. */
+static void open_locked(journal *j)
+{
+    struct stat here;
+
+    for (;;) {
+        j->fd = open(j->path, O_RDWR | O_CREAT | O_CLOEXEC | O_APPEND, 0644);
+        if (j->fd < 0 || fstat(j->fd, &here) != 0) {
+            die(EXIT_FAILED, "%s: cannot write here: %s", j->path, strerror(errno));
+        }
+        if (!S_ISREG(here.st_mode)) {
+            die(EXIT_USAGE, "%s: not a file; move it away", j->path);
+        }
+        if (flock(j->fd, LOCK_EX | LOCK_NB) != 0) {
+            die(EXIT_FAILED, "%s: %s", j->path, errno == EWOULDBLOCK ? "another process writes it; wait for it, or give another output"
+                                                                   : strerror(errno));
+        }
+        if (fstat(j->fd, &here) == 0 && here.st_nlink > 0) {
+            return;
+        }
+        close(j->fd);
+    }
+}
+
+/* The first bytes of the file, as many as there are of a header. */
+static size_t read_header(const journal *j, uint8_t header[HEADER])
+{
+    size_t have = 0;
+
+    while (have < HEADER) {
+        const ssize_t n = pread(j->fd, header + have, HEADER - have, (off_t)have);
+
+        if (n < 0 && errno != EINTR) {
+            die(EXIT_FAILED, "%s: cannot be read: %s", j->path, strerror(errno));
+        }
+        if (n == 0) {
+            break;
+        }
+        have += n > 0 ? (size_t)n : 0;
+    }
+    return have;
+}
+
+static _Noreturn void refuse(const journal *j, const char *what)
+{
+    die(EXIT_USAGE, "%s: of another run (%s); give that run's options, or leave --resume away to start afresh", j->path, what);
+}
+
+/* Dies unless this is the header of this very run, and says in what it differs. */
+static void compare(const journal *j, const uint8_t have[HEADER], const uint8_t want[HEADER])
+{
+    char what[160];
+
+    if (memcmp(have, MAGIC, 8) != 0 || get_u32(have + AT_CRC) != kelly_crc32c(0, have, AT_CRC)) {
+        die(EXIT_USAGE, "%s: not a journal of kelly; move it away", j->path);
+    }
+    if (get_u32(have + AT_VERSION) != VERSION) {
+        refuse(j, "written by another version of kelly");
+    }
+    if (memcmp(have + AT_KIND, want + AT_KIND, AT_MODEL - AT_KIND) != 0) {
+        snprintf(what, sizeof(what), "kelly %.16s, this is kelly %.16s", (const char *)have + AT_KIND, (const char *)want + AT_KIND);
+        refuse(j, what);
+    }
+    if (memcmp(have + AT_MODEL, want + AT_MODEL, AT_CRC - AT_MODEL) != 0) {
+        snprintf(what, sizeof(what), "string %.40s, this is %.40s", (const char *)have + AT_MODEL, (const char *)want + AT_MODEL);
+        refuse(j, what);
+    }
+    if (memcmp(have + AT_REAL, want + AT_REAL, 4) != 0) {
+        refuse(j, sizeof(real) > 4 ? "in float, this is in double" : "in double, this is in float");
+    }
+    if (memcmp(have + AT_SEED, want + AT_SEED, 8) != 0) {
+        snprintf(what, sizeof(what), "seed %llu, this is %llu",
+                 (unsigned long long)get_u32(have + AT_SEED) | (unsigned long long)get_u32(have + AT_SEED + 4) << 32,
+                 (unsigned long long)get_u32(want + AT_SEED) | (unsigned long long)get_u32(want + AT_SEED + 4) << 32);
+        refuse(j, what);
+    }
+    if (memcmp(have, want, HEADER) != 0) {
+        refuse(j, "another case, grid or number of samples");
+    }
+}
+
+/* Hand over every sound record; returns where the first unsound one begins, or the end. A read error is no torn tail. */
+static off_t replay(const journal *j, const journal_run *run, journal_sink sink, void *context)
+{
+    const int copy = dup(j->fd);
+    FILE *const in = copy < 0 ? 0 : fdopen(copy, "rb");
+    const size_t size = run->payload + 8u;
+    uint8_t record[RECORD_MAX];
+    off_t end = HEADER;
+
+    if (!in || fseeko(in, HEADER, SEEK_SET) != 0) {
+        die(EXIT_FAILED, "%s: cannot be read: %s", j->path, strerror(errno));
+    }
+    while (fread(record, 1, size, in) == size) {
+        const uint32_t index = get_u32(record);
+
+        if (get_u32(record + size - 4) != kelly_crc32c(0, record, size - 4) || index >= run->records) {
+            break;
+        }
+        sink(context, index, record + 4);
+        end += (off_t)size;
+    }
+    if (ferror(in)) {
+        die(EXIT_FAILED, "%s: cannot be read: %s", j->path, strerror(errno));
+    }
+    fclose(in);
+    return end;
+}
+
+static void cut_to(const journal *j, off_t length)
+{
+    if (ftruncate(j->fd, length) != 0) {
+        die(EXIT_FAILED, "%s: could not be written: %s", j->path, strerror(errno));
+    }
+}
+
+static off_t file_size(const journal *j)
+{
+    struct stat here;
+
+    if (fstat(j->fd, &here) != 0) {
+        die(EXIT_FAILED, "%s: cannot be read: %s", j->path, strerror(errno));
+    }
+    return here.st_size;
+}
+
+/* Take over what is there. */
+static void resume_from(const journal *j, const journal_run *run, const uint8_t have[HEADER], const uint8_t want[HEADER],
+                        journal_sink sink, void *context)
+{
+    const off_t size = file_size(j);
+    off_t end;
+
+    compare(j, have, want);
+    end = replay(j, run, sink, context);
+    if (end < size) {
+        fprintf(stderr, "kelly: %s: dropped a torn tail of %lld bytes\n", j->path, (long long)(size - end));
+        cut_to(j, end);
+    }
+}
+
+/* Begin a file that is empty, holds the beginning of a header (torn in its first write), or a journal to be given up. */
+static void begin(const journal *j, const uint8_t *have, size_t length, const uint8_t want[HEADER], int resume, uint32_t payload)
+{
+    const size_t magic = length < 8 ? length : 8;
+
+    if (memcmp(have, MAGIC, magic) != 0) {
+        die(EXIT_USAGE, "%s: not a journal of kelly; move it away", j->path);
+    }
+    if (length == HEADER && file_size(j) > HEADER) {
+        fprintf(stderr, "kelly: %s: gave up %lld records of an earlier run; --resume goes on from them\n", j->path,
+                (long long)(file_size(j) - HEADER) / ((long long)payload + 8));
+    } else if (resume && length > 0) {
+        fprintf(stderr, "kelly: %s: dropped a torn header of %zu bytes\n", j->path, length);
+    }
+    cut_to(j, 0);
+    write_all(j, want, HEADER);
+}
+
+void journal_open(journal *j, const char *output, const journal_run *run, int resume, journal_sink sink, void *context)
+{
+    uint8_t have[HEADER], want[HEADER];
+    size_t length;
+
+    *j = (journal){ .payload = run->payload, .path = malloc(strlen(output) + sizeof(".journal")) };
+    if (!j->path) {
+        die(EXIT_FAILED, "%s: out of memory", output);
+    }
+    sprintf(j->path, "%s.journal", output);
+    open_locked(j);
+    make_header(want, run);
+    length = read_header(j, have);
+    if (resume && length == HEADER) {
+        resume_from(j, run, have, want, sink, context);
+    } else {
+        begin(j, have, length, want, resume, get_u32(length == HEADER ? have + AT_PAYLOAD : want + AT_PAYLOAD));
+    }
+    sync_now(j);
+}
+
+void journal_append(journal *j, uint32_t index, const uint8_t *payload)
+{
+    uint8_t record[RECORD_MAX];
+
+    put_u32(record, index);
+    memcpy(record + 4, payload, j->payload);
+    put_u32(record + 4 + j->payload, kelly_crc32c(0, record, 4 + j->payload));
+    write_all(j, record, j->payload + 8u);
+    if (now() - j->synced > SYNC_EVERY) {
+        sync_now(j);
+    }
+}
+
+void journal_remove(journal *j)
+{
+    if (unlink(j->path) != 0) {
+        die(EXIT_FAILED, "%s: could not be removed: %s", j->path, strerror(errno));
+    }
+    close(j->fd);
+    free(j->path);
+    *j = (journal){ .fd = -1 };
+}

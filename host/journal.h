@@ -1,0 +1,55 @@
+/* journal.h - what a long run has done so far, so that nothing is computed twice and nothing is lost.
+ *
+ * A file OUTPUT.journal beside the output: a header that names the run, then records
+ *     u32 index | payload | u32 CRC-32C of both          little-endian, one write each
+ * A record is there or it is not: what a crash tears off the end is dropped, and said, on the next start. Everything
+ * behind the first unsound record counts as torn. An index may come more than once (a cell that has grown): the last
+ * record holds. What an index means is the run's: a cell of a map, a realisation of an ensemble, a sample of a level.
+ *
+ * One writer: the file is locked for as long as it is open. A journal of another run (command, string, precision, seed,
+ * parameters) is refused. Kill -9 loses what was not yet appended; a power cut also what came after the last sync, 5 s at most.
+ */
+#ifndef KELLY_JOURNAL_H
+#define KELLY_JOURNAL_H
+
+#include <stdint.h>
+
+#define JOURNAL_PAYLOAD_MAX 240  /* bytes */
+
+/* Whose records they are. Two runs whose records may stand for one another agree in all of it. */
+typedef struct {
+    const char *kind;            /* the command, at most 15 characters */
+    const char *model;           /* id of the table */
+    uint64_t seed;
+    uint32_t parameters;         /* CRC-32C of everything else that the records depend on */
+    uint32_t records;            /* indices are 0 .. records - 1 */
+    uint32_t payload;            /* bytes of one record's payload, 1..JOURNAL_PAYLOAD_MAX */
+} journal_run;
+
+/* Fields are not to be touched. */
+typedef struct {
+    int fd;
+    char *path;
+    uint32_t payload;
+    double synced;               /* when, monotonic [s] */
+} journal;
+
+/* Is handed each sound record of an earlier run, in the order in which they were written. */
+typedef void (*journal_sink)(void *context, uint32_t index, const uint8_t *payload);
+
+/* Open `output`.journal, locked. With `resume`, hand what it holds to the sink; without, or where there is none, begin anew.
+ * Dies with exit 2 for a journal of another run or a file that is no journal (which is left as it is), with exit 1
+ * where another process writes it or the file cannot be read or written. Says on stderr what it drops. */
+void journal_open(journal *j, const char *output, const journal_run *run, int resume, journal_sink sink, void *context);
+
+/* Append one record; dies with exit 1 if it cannot be written (what lies there stays good). Not for two threads at once. */
+void journal_append(journal *j, uint32_t index, const uint8_t *payload);
+
+/* The output is in place: remove the journal. */
+void journal_remove(journal *j);
+
+/* Little-endian words for payloads. */
+void put_u32(uint8_t *to, uint32_t x);
+uint32_t get_u32(const uint8_t *from);
+
+#endif
