@@ -198,6 +198,21 @@ test:                                         ## every gate of `make test`; inst
 	@sh tests/install $$(cat tests/packages.txt)
 	@$(with_python) tests/gates.py test
 
+bench:                                        ## time against the peers in one run: terminal, build/bench.json, build/bench.md; LONG=1 to 1e6
+	@sh tests/bench/run
+
+ifeq ($(filter-out host,$(TARGET)),)
+size:                                         ## flash, RAM, stack, instructions a step of every board; TARGET=NAME: one
+	@$(with_python) tests/size_table.py
+endif
+
+readme: $(dir)/kelly size                     ## the tables of the README from runs on this tree (after make test and make bench)
+	@{ echo '    $$ make run'; $(MAKE) -s run | sed 's/^/    /'; } > build/run.md
+	@$(dir)/kelly modes | sed 's/^/    /' > build/modes.md
+	@$(with_python) tests/m4_cycles.py > build/cycles.md
+	@$(with_python) tests/readme_tables.py README.md run=build/run.md modes=build/modes.md digests=build/digests.md bench=build/bench.md \
+	    size=build/size.md cycles=build/cycles.md
+
 tables:                                       ## regenerate firmware/tables from gen/wells/paper.toml (needs numpy)
 	$(PYTHON) gen gen/wells/paper.toml --out firmware/tables
 
@@ -207,4 +222,4 @@ clean:                                        ## remove build/
 help:                                         ## this list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
 
-.PHONY: all unit run digest size test map figures tables install clean help
+.PHONY: all unit run digest size bench readme test map figures tables install clean help

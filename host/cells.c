@@ -30,6 +30,7 @@ typedef struct {
     cell *cells;
     uint32_t count, record;
     uint32_t begun, done;        /* cells */
+    uint32_t before;             /* done by an earlier run */
     unsigned places;
     segment *at;                 /* [places], one a thread is enough: see take_piece */
     pthread_mutex_t lock;
@@ -130,7 +131,7 @@ static uint32_t still_to_run(const study *s, const cell *c)
 /* As few pieces as blocks hold the segment, of equal size but for one vector. */
 static void open_segment(const workshop *w, segment *g, cell *c, uint32_t count)
 {
-    const uint32_t width = w->s->engine->width, whole = w->s->engine->lanes / width;
+    const uint32_t width = w->s->engine->width, whole = engine_lanes(w->s->engine, &w->s->opts->run) / width;
 
     g->cell = c;
     g->run = cell_case(w->s, c);
@@ -256,25 +257,23 @@ static void *worker(void *context)
 static void watch(workshop *w)
 {
     struct timespec start, t;
-    uint32_t before;
 
     clock_gettime(CLOCK_REALTIME, &start);
     t = start;
     pthread_mutex_lock(&w->lock);
-    before = w->done;
     while (w->done < w->count) {
         if (pthread_cond_timedwait(&w->changed, &w->lock, &t) == 0) {
             continue;
         }
         clock_gettime(CLOCK_REALTIME, &t);
-        progress_show(w->s->opts, w->done - before, w->count - before,
+        progress_show(w->s->opts, w->done > w->before ? w->done - w->before : 0, w->count - w->before,
                       (double)(t.tv_sec - start.tv_sec) + 1e-9 * (double)(t.tv_nsec - start.tv_nsec));
         t.tv_nsec += 250000000;
         t.tv_sec += t.tv_nsec / 1000000000;
         t.tv_nsec %= 1000000000;
     }
     pthread_mutex_unlock(&w->lock);
-    progress_end(w->s->opts, w->count - before, (double)(t.tv_sec - start.tv_sec));
+    progress_end(w->s->opts, w->count - w->before, (double)(t.tv_sec - start.tv_sec));
 }
 
 void cells_run(const study *s, cell *cells, uint32_t count, uint32_t record)
@@ -287,6 +286,9 @@ void cells_run(const study *s, cell *cells, uint32_t count, uint32_t record)
 
     if (!w.at || !results || !ids) {
         die(EXIT_FAILED, "out of memory");
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        w.before += still_to_run(s, &cells[i]) == 0;
     }
     pthread_mutex_init(&w.lock, 0);
     pthread_cond_init(&w.changed, 0);

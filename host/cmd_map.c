@@ -42,6 +42,7 @@ const command_help map_help = {
     .brief = "P(stick-slip) over speed and weight, from rest and already rotating",
     .synopsis = "[--rpm A:B:S] [--wob A:B:S] [--samples N] [case] [--json F] [--csv F] [--npy F] [--resume] ...",
     .takes = TAKES_CASE | TAKES_JSON,
+    .without = "--start",
     .own = map_options,
     .notes = "Every cell runs the same realisations, those of montecarlo with its speed, weight, f0 and start, bit for bit.\n"
              "CSV: a line a cell; rest_* and rotating_*: p, lo95, hi95, samples, stuck, refused_*, liftoff.\n"

@@ -238,7 +238,7 @@ int command_montecarlo(int argc, char **argv)
         outfile_open(&json, opts.json);
     }
     run_job(&opts, &(job){ .work = work_piece, .work_size = engine->work_size, .result_size = sizeof(kelly_result),
-                           .width = engine->width, .lanes = engine->lanes }, take_batch, &out);
+                           .width = engine->width, .lanes = engine_lanes(engine, &opts.run) }, take_batch, &out);
     if (opts.convergence) {
         convergence_run(&opts, &out.convergence);
     }

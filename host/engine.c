@@ -44,3 +44,14 @@ const kelly_engine *engine_choose(const char *name)
     }
     die(EXIT_USAGE, "--engine %s: not in this program or not on this processor; the widest here is %s", name, list[n - 1]->name);
 }
+
+/* Coefficients and state of the modes of one block should stay within the first-level cache (48 KB on what has AVX-512). */
+#define CACHE 43008u
+
+unsigned engine_lanes(const kelly_engine *e, const kelly_case *run)
+{
+    const unsigned vector = (unsigned)(run->torsional * (sizeof(kelly_mode) / sizeof(vreal)) * e->width * sizeof(real));
+    const unsigned fit = CACHE / vector, whole = e->lanes / e->width;
+
+    return e->width * (fit < 1 ? 1 : fit < whole ? fit : whole);
+}

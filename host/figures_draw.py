@@ -93,7 +93,7 @@ def fig3(r):
     ax.axhline(value[-1], color=DARK, lw=0.8, ls=(0, (4, 2)), label=f"after {len(x)}")
     ax.plot(n, value, color=BLUE, lw=1.3, label=r"conv$(n_s)$")
     low, high = value[n >= 4].min(), value[n >= 4].max()
-    ax.set(xlim=(0, len(x)), ylim=(low - 0.15 * (high - low), high + 0.25 * (high - low)), xlabel=r"realisations $n_s$", ylabel=r"conv$(n_s)$ [m$^2$ s]")
+    ax.set(xlim=(0, len(x)), ylim=(min(low, value[-1] - error[min(len(x), 25) - 1]), high + 0.25 * (high - low)), xlabel=r"realisations $n_s$", ylabel=r"conv$(n_s)$ [m$^2$ s]")
     mark(ax, r["samples"], f"{r['samples']} realisations")
     ax.ticklabel_format(axis="y", style="sci", scilimits=(0, 0), useMathText=True)
     legend_above(ax)

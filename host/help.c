@@ -80,28 +80,30 @@ static void case_defaults(char text[CASES][DEFAULT_TEXT])
     snprintf(text[8], DEFAULT_TEXT, " (default %.6g:%.6g)", case_seconds(run, run->window_first), case_seconds(run, run->window_last));
 }
 
-static void walk_one(const option_group *group, option_visit visit, void *context)
+static void walk_one(const option_group *group, const char *without, option_visit visit, void *context)
 {
     char text[CASES][DEFAULT_TEXT];
 
     case_defaults(text);
     visit(context, group->title, 0, "");
     for (unsigned i = 0; group->options[i].name; i++) {
-        visit(context, group->title, &group->options[i], group->options == case_options ? text[i] : "");
+        if (!without || strcmp(group->options[i].name, without) != 0) {
+            visit(context, group->title, &group->options[i], group->options == case_options ? text[i] : "");
+        }
     }
 }
 
 void help_walk(const subcommand *c, option_visit visit, void *context)
 {
     if (c->help->own) {
-        walk_one(&(option_group){ "Its own", 0, c->help->own }, visit, context);
+        walk_one(&(option_group){ "Its own", 0, c->help->own }, 0, visit, context);
     }
     for (unsigned g = 0; g < sizeof(groups) / sizeof(groups[0]); g++) {
         if (c->help->takes & groups[g].takes) {
-            walk_one(&groups[g], visit, context);
+            walk_one(&groups[g], c->help->without, visit, context);
         }
     }
-    walk_one(&(option_group){ "Always", 0, common_options }, visit, context);
+    walk_one(&(option_group){ "Always", 0, common_options }, 0, visit, context);
 }
 
 /* Words of the text, a new line under the column of the first before 110 characters. */

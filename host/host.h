@@ -65,6 +65,7 @@ typedef struct {
     const char *brief;            /* what it does, without a full stop */
     const char *synopsis;         /* what follows "kelly NAME" */
     unsigned takes;               /* the shared options, as in options_parse */
+    const char *without;          /* the one of them that it refuses, or 0 */
     const option_help *own;       /* those of its `more_options`, or 0 */
     const char *notes;            /* what else must be known, or 0 */
     const char *example;
@@ -144,6 +145,9 @@ unsigned engines_usable(const kelly_engine *list[4]);
 
 /* The engine of that name, or the widest usable one for 0; dies with exit 2 for a name that cannot run here. */
 const kelly_engine *engine_choose(const char *name);
+
+/* Realisations that this engine best runs together: fewer than it holds where many modes would leave the cache. */
+unsigned engine_lanes(const kelly_engine *engine, const kelly_case *run);
 
 unsigned processors(void);
 

@@ -201,9 +201,10 @@ def main():
     peak_text, of_peak = peak_table(rows, best, counts)
     digest_text, good = digests(rows)
     text = "\n\n".join([
-        "Nanoseconds to simulate 1 ms of one realisation on one core, medians of interleaved runs of 100 s (numpy: 3 s): the nominal string on hard rock;\n"
-        "\"drawn\": mean time and largest error over 8 drawn realisations that are not chaotic. Error: largest distance of the bit speed from a reference over the run. Adaptive peers have the\n"
-        "settings at which they are fastest with an error like that of RK4 at 1 ms; each peer is shown at its best flags of three.",
+        "Nanoseconds to simulate 1 ms of one realisation on one core: medians of interleaved runs of 100 s (numpy: 3 s) of the nominal string on\n"
+        "hard rock. Error: largest distance of the bit speed from a reference. Adaptive peers have the settings at which they are fastest with an\n"
+        "error like that of RK4 at 1 ms; each peer is shown at its best flags of three. Drawn: the same settings on 8 drawn realisations that are\n"
+        "not chaotic, mean time and largest error.",
         main_table(best, fastest),
         target_lines(best, of_peak, rows),
         peak_text,

@@ -1,0 +1,519 @@
+#!/usr/bin/env python3
+"""check_map - the driller's map, its journal, and advise.
+
+usage: tests/check_map.py [--float build/host/kelly] [--double build/host-double/kelly] [NAME...]
+
+Each claim that fails is one line; the last line is `N passed, N failed`. NAME picks single checks.
+"""
+import argparse
+import csv
+import fcntl
+import io
+import json
+import os
+import random
+import resource
+import shlex
+import shutil
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+
+import numpy as np
+from scipy.stats import beta
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from second_opinion import crc32c  # noqa: E402
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+PROGRAM = {}
+count = {True: 0, False: 0}
+HEADER, RECORD = 96, 40                     # bytes of a journal: its header, a cell's record
+STARTS = ("rest", "rotating")
+SHORT = "--mu 0.004 --duration 8 --window 4:8"
+SMALL = f"--rpm 60:120:30 --wob 40:140:50 --samples 50 {SHORT}"
+DRAWS = random.Random(20261122)
+
+
+def claim(holds, what):
+    count[bool(holds)] += 1
+    if not holds:
+        print(f"FAIL {what}", flush=True)
+    return bool(holds)
+
+
+def kelly(args, real="float", **more):
+    return subprocess.run([PROGRAM[real]] + shlex.split(args), capture_output=True, text=True, check=False, timeout=300, **more)
+
+
+def done(args, real="float"):
+    """Output of a run that must succeed and say nothing on stderr."""
+    result = kelly(args, real)
+    claim(result.returncode == 0 and result.stderr == "", f"{args}: exit {result.returncode}, {result.stderr.strip()!r}")
+    return result.stdout
+
+
+def refused(args, word, real="float", status=2):
+    result = kelly(args, real)
+    return claim(result.returncode == status and result.stderr.count("\n") == 1 and result.stderr.startswith("kelly: ") and
+                 word in result.stderr and result.stdout == "",
+                 f"{args}: exit {result.returncode} and {(result.stdout[:80] + result.stderr)!r}; wanted {status} and one line with {word!r}")
+
+
+def map_json(args, real="float"):
+    return json.loads(done(f"map {args} --json -", real))
+
+
+def montecarlo(args, real="float"):
+    return json.loads(done(f"montecarlo {args} --json -", real))
+
+
+def read(path):
+    with open(path, "rb") as file:
+        return file.read()
+
+
+def write(path, data):
+    with open(path, "wb") as file:
+        file.write(data)
+
+
+# ---- cells
+
+def same_cell(cell, mc, what):
+    """A cell of the JSON of a map and a montecarlo run: the same realisations, the same numbers."""
+    want = {"probability": mc["probability"], "lo95": mc["ci95"][0], "hi95": mc["ci95"][1], "samples": mc["samples"], "stuck": mc["stuck"],
+            "refused_step": mc["refused_by"]["step"], "refused_range": mc["refused_by"]["range"],
+            "refused_nonfinite": mc["refused_by"]["nonfinite"], "liftoff": mc["liftoff"], "digest": mc["digest"]}
+    claim(cell == want, f"{what}: {cell} is not montecarlo's {want}")
+
+
+def cells(data):
+    """(start, row, column, cell) of every cell."""
+    for start in STARTS:
+        for j in range(len(data["wob_kN"])):
+            for i in range(len(data["rpm"])):
+                yield start, j, i, {name: rows[j][i] for name, rows in data[start].items()}
+
+
+def cells_are_montecarlo(args, case, real="float"):
+    data = map_json(f"{args} {case}", real)
+    seen = set()
+    for start, j, i, cell in cells(data):
+        setting = f"--rpm {data['rpm'][i]!r} --wob {data['wob_kN'][j]!r} --f0 {data['f0_kN'][j]!r} --start {start}"
+        same_cell(cell, montecarlo(f"{setting} --samples {cell['samples']} {case}", real), f"{real} {args} {case} {setting}")
+        seen.add(cell["digest"])
+    claim(len(seen) == 2 * len(data["rpm"]) * len(data["wob_kN"]), f"{args} {case}: two cells have one digest")
+    return data
+
+
+def check_cells():
+    data = cells_are_montecarlo("--rpm 60:120:30 --wob 40:140:50 --samples 50", SHORT)
+    claim(data["f0_kN"] == [20, 45, 70], f"f0 keeps its ratio to the weight: {data['f0_kN']}")
+    claim(data["rest"]["probability"] != data["rotating"]["probability"], "both starts give one map")
+    data = cells_are_montecarlo("--rpm 40.3:40.6:0.1 --wob 33.3 --samples 33", f"{SHORT} --seed 7 --first 1000 --f0 12.345 --cov fc=0.3,rpm=0.1")
+    claim(data["rpm"] == [40.3, 40.4, 40.5, 40.6] and data["f0_kN"] == [12.345], f"settings as one types them: {data['rpm']}, {data['f0_kN']}")
+    refusing = cells_are_montecarlo("--rpm 80:120:40 --wob 200:400:100 --samples 40", "--duration 1 --window 0:1 --mu 0.04")
+    claim(0 < np.sum(refusing["rest"]["refused_step"]) + np.sum(refusing["rest"]["refused_range"]) < 240, "refused realisations are counted")
+    cells_are_montecarlo("--rpm 90 --wob 90 --samples 20000", "--duration 0.1 --window 0:0.1 --cov 0.2")
+    if "double" in PROGRAM:
+        cells_are_montecarlo("--rpm 60:120:30.1 --wob 40:140:50 --samples 17", SHORT, "double")
+
+
+def check_same_bytes():
+    """Threads, engine and screen leave no trace in a file."""
+    want = done(f"map {SMALL} --json -")
+    for more in ("--threads 1", "--threads 3", "--threads 8", "--engine scalar", "--engine sse2 --threads 2", "--quiet"):
+        claim(done(f"map {SMALL} --json - {more}") == want, f"map {more}: other bytes")
+    claim(done(f"map {SMALL} --json - --seed 2") != want, "another seed gives the same map")
+
+
+def interval(k, n, tail):
+    return (beta.ppf(tail, k, n - k + 1) if k else 0.0), (beta.ppf(1 - tail, k + 1, n - k) if k < n else 1.0)
+
+
+def finished(k, n, width):
+    lo, hi = interval(k, n, 0.025)
+    low, high = interval(k, n, 0.025 / 48)
+    return hi - lo < width or low > 0.5 or high < 0.5
+
+
+def looks(most):
+    n = 32
+    while n < most:
+        yield n
+        n = (n + n // 2 + 31) // 32 * 32
+    yield most
+
+
+def check_adaptive():
+    args = f"--rpm 60:140:20 --wob 40:140:50 {SHORT}"
+    data = map_json(f"{args} --adaptive 0.15")
+    runs = {cell["samples"] for *_, cell in cells(data)}
+    claim(data["adaptive_width"] == 0.15 and len(runs) > 2, f"adaptive: n differs from cell to cell: {runs}")
+    for start, j, i, cell in cells(data):
+        setting = f"--rpm {data['rpm'][i]!r} --wob {data['wob_kN'][j]!r} --f0 {data['f0_kN'][j]!r} --start {start} {SHORT}"
+        same_cell(cell, montecarlo(f"{setting} --samples {cell['samples']}"), f"adaptive {setting}")
+        rows = list(csv.DictReader(io.StringIO(done(f"montecarlo {setting} --samples {cell['samples']} --csv -"))))
+        stuck = np.cumsum([int(row["stuck"]) for row in rows])
+        first = next(n for n in looks(data["samples"]) if n == data["samples"] or finished(int(stuck[n - 1]), n, 0.15))
+        claim(cell["samples"] == first, f"adaptive {setting}: stops at {cell['samples']}, not at the first look that decides, {first}")
+        claim(cell["hi95"] - cell["lo95"] < 0.15 or finished(cell["stuck"], cell["samples"], 0), f"adaptive {setting}: neither narrow nor decided")
+    capped = map_json(f"{args} --adaptive 0.02 --samples 100")
+    claim(max(cell["samples"] for *_, cell in cells(capped)) == 100, "adaptive: --samples is the most of a cell")
+    refused("map --adaptive 0", "0.002..1")
+    refused("map --adaptive 2", "0.002..1")
+    refused("map --adaptive x", "0.002..1")
+
+
+# ---- onset and release
+
+def check_edges():
+    case = "--mu 0.004 --duration 30 --window 15:30"
+    data = map_json(f"--rpm 40:130:15 --wob 25:205:45 --samples 1 {case}")
+    kinds = set()
+    for name, start in (("release", "rest"), ("onset", "rotating")):
+        for j, wob in enumerate(data["wob_kN"]):
+            def sticks(rpm):
+                return montecarlo(f"--cov 0 --samples 1 {case} --rpm {rpm!r} --wob {wob!r} --f0 {data['f0_kN'][j]!r} --start {start}")["stuck"] == 1
+            edge, kind, holes = data[f"{name}_rpm"][j], data[name][j], data[f"{name}_free_below"][j]
+            kinds.add(kind)
+            scan = [sticks(rpm) for rpm in data["scan_rpm"]]
+            highest = max((k for k, s in enumerate(scan) if s), default=-1)
+            claim(holes == sum(not s for s in scan[:max(highest, 0)]), f"{name} at {wob} kN: {holes} free speeds below, the scan says {scan}")
+            if kind == "found":
+                claim(data["scan_rpm"][highest] < edge <= data["scan_rpm"][highest + 1], f"{name} at {wob} kN: {edge} is not above the highest that sticks")
+                claim(not sticks(edge) and sticks(round(edge - 0.1, 6)), f"{name} at {wob} kN: {edge} rpm is not free with sticking 0.1 below")
+            else:
+                claim(edge is None and kind == ("above" if highest == len(scan) - 1 else "below" if highest < 0 else "?"), f"{name} at {wob} kN: {kind}, {edge}, {scan}")
+    claim(kinds == {"found", "above", "below"}, f"the test sees every kind of edge: {kinds}")
+    step = map_json("--rpm 60:120:30 --wob 900 --samples 2 --mu 0.08 --duration 1 --window 0:1")
+    claim(step["release"] == ["refused"] and step["onset_rpm"] == [None], f"an edge that cannot be computed: {step['release']}")
+    fine = map_json("--rpm 40:140:0.5 --wob 60 --samples 1 --duration 1 --window 0:1")
+    claim(len(fine["scan_rpm"]) == 41 and fine["scan_rpm"][0] == 40 and fine["scan_rpm"][-1] == 140, "a fine grid is scanned at 41 speeds")
+
+
+# ---- grids and files
+
+def check_grids():
+    one = map_json(f"--rpm 100 --wob 100 --samples 20 {SHORT}")
+    claim(one["rpm"] == [100] and one["wob_kN"] == [100] and np.shape(one["rest"]["stuck"]) == (1, 1), "one cell")
+    claim(map_json(f"--rpm 100:100:5 --wob 100:104:5 --samples 20 {SHORT}") == one, "FROM:FROM:STEP is one cell")
+    data = map_json("--rpm 40:143:5 --wob 25:225:10 --samples 1 --duration 0.1 --window 0:0.1")
+    claim(data["rpm"] == list(range(40, 141, 5)) and data["wob_kN"] == list(range(25, 226, 10)), "TO belongs to the grid where it lies on it")
+    default = map_json("--samples 1 --duration 0.01 --window 0:0.01")
+    claim((default["rpm"], default["wob_kN"]) == (data["rpm"], data["wob_kN"]), "the default grid is 40:140:5 x 25:225:10")
+    for grid, word in (("140:40:5", "40:140:5"), ("40:140:0", "step"), ("40:140:-5", "step"), ("40:140", "no step"), ("40:140:5:5", "parts"),
+                       (":140:5", "finite"), ("40::5", "finite"), ("40:140:", "finite"), ("0:100:10", "range"), ("-5:100:10", "range"),
+                       ("nan:100:10", "finite"), ("40:inf:10", "finite"), ("a", "finite"), ("40:140:1e-9", "step"), ("40:140:nan", "finite"),
+                       ("1:9999:0.001", "at most 1000000"), ("4" * 200, "too long"), ("40,140,5", "finite")):
+        refused(f"map --rpm {grid}", word)
+        refused(f"map --wob {grid}", word)
+    refused("map --rpm 40:140:0.1 --wob 25:224.8:0.2", "1001000 cells; at most 1000000")
+    refused("map --rpm ''", "value")
+    refused("map --rpm", "value")
+    refused("map --wob=", "value")
+
+
+def check_files(folder):
+    stem = os.path.join(folder, "files")
+    args = "--rpm 60:120:30 --wob 100:1600:500 --samples 30 --mu 0.08 --duration 4 --window 2:4"
+    claim(done(f"map {args} --csv {stem}.csv --json {stem}.json --npy {stem}.npy --quiet") == "", "--quiet prints nothing")
+    claim(sorted(os.listdir(folder)) == ["files.csv", "files.json", "files.npy"], f"nothing else is left: {os.listdir(folder)}")
+    with open(f"{stem}.json", encoding="utf-8") as file:
+        data = json.load(file)
+    rows = list(csv.DictReader(io.StringIO(read(f"{stem}.csv").decode())))
+    p = np.load(f"{stem}.npy")
+    claim(p.shape == (2, 4, 3) and p.dtype == np.float64, f"NPY: {p.shape}, {p.dtype}")
+    claim([(float(r["wob_kN"]), float(r["rpm"])) for r in rows] == [(w, r) for w in data["wob_kN"] for r in data["rpm"]], "CSV: a line a cell, in order")
+    claim(np.isnan(p).any() and not np.isnan(p).all(), "the test has cells without and with a result")
+    for start, j, i, cell in cells(data):
+        row = rows[j * 3 + i]
+        value = p[STARTS.index(start), j, i]
+        claim((np.isnan(value) and cell["probability"] is None and row[f"{start}_p"] == "") or
+              (value == cell["probability"] and abs(float(row[f"{start}_p"]) - value) < 1e-11), f"P of {start} {j} {i}: {value}, {cell}, {row}")
+        for name in ("samples", "stuck", "refused_step", "refused_range", "refused_nonfinite", "liftoff"):
+            claim(int(row[f"{start}_{name}"]) == cell[name], f"{name} of {start} {j} {i}")
+        for name in ("lo95", "hi95"):
+            claim(abs(float(row[f"{start}_{name}"]) - cell[name]) < 1e-11, f"{name} of {start} {j} {i}")
+        for name in ("release", "onset"):
+            edge = data[f"{name}_rpm"][j]
+            claim(row[f"{name}_rpm"] == ("" if edge is None else f"{edge:.12g}"), f"{name} of row {j}")
+    claim(done(f"map {args} --csv -") == read(f"{stem}.csv").decode(), "--csv - is the file")
+    screen = done(f"map {args}")
+    claim("already rotating" in screen and "release" in screen and " refused " in screen, "the screen shows both starts, the edges, what was refused")
+    said = kelly(f"map {args} --json - --progress json")
+    last = [json.loads(line) for line in said.stderr.splitlines()][-1]
+    claim(said.stdout == read(f"{stem}.json").decode() and last["done"] == last["total"] == 48, f"--progress json: {last}")
+
+
+def check_mistakes(folder):
+    for args, word in (("--start rest", "both starts"), ("--convergence", "--convergence"), ("--samples 0", "realisations"), ("--nonsense 1", "unknown"),
+                       ("--resume=1", "no value"), ("--adaptive", "value"), ("--npy", "value"), ("--rpm 100 --wob 100 --window 5:3", "ends before"),
+                       ("--first 4294967295", "indices"), ("--adaptive 0.01 --first 4294960000", "indices"), ("extra", "not an option"),
+                       ("--resume", "no journal"), ("--resume --json -", "no journal"), ("--resume --csv /dev/null", "no journal")):
+        refused(f"map {args}", word)
+    for option in ("csv", "json", "npy"):
+        refused(f"map {SMALL} --{option} {folder}/none/x.{option}", "cannot write here", status=1)
+    full = kelly(f"map {SMALL} --csv /dev/full")
+    claim(full.returncode == 1 and full.stderr.count("\n") == 1, f"a full device: exit {full.returncode}")
+    for args, word in (("--below 0", "probability"), ("--below 2", "probability"), ("--below", "value"), ("--search-rpm 5", "range"),
+                       ("--search-rpm 101:120", "leaves out"), ("--search-wob 10:20", "leaves out"), ("--search-wob a:b", "finite"), ("--csv x", "--csv"),
+                       ("--rpm 60:120:30", "finite"), ("--convergence", "--convergence"), ("--nonsense 1", "unknown")):
+        refused(f"advise {args}", word)
+    claim(os.listdir(folder) == [], f"mistakes leave nothing behind: {os.listdir(folder)}")
+
+
+# ---- journal
+
+def whole_journal(folder, args, real="float"):
+    """The journal of a run that had come to its end but could not write its last file: the wanted CSV, and the journal."""
+    out = os.path.join(folder, "j.csv")
+    os.makedirs(os.path.join(folder, "taken"), exist_ok=True)
+    failed = kelly(f"map {args} --csv {out} --npy {folder}/taken --quiet", real)
+    claim(failed.returncode == 1 and failed.stderr.count("\n") == 1, f"a file that cannot be written: exit {failed.returncode}, {failed.stderr!r}")
+    return out, read(out), read(out + ".journal")
+
+
+def resumed(args, out):
+    """Resume into `out`, from nothing but its journal: exit, stderr, bytes."""
+    if os.path.exists(out):
+        os.remove(out)
+    result = kelly(f"map {args} --csv {out} --quiet --resume")
+    return result.returncode, result.stderr, read(out) if os.path.exists(out) else b""
+
+
+def check_torn(folder):
+    """A journal cut at any byte, or with a byte changed, leads to the same result."""
+    args = "--rpm 60:90:30 --wob 40:90:50 --samples 20 --mu 0.004 --duration 1 --window 0:1"
+    out, want, journal = whole_journal(folder, args)
+    claim(len(journal) >= HEADER + 16 * RECORD and (len(journal) - HEADER) % RECORD == 0, f"the journal has a record a cell: {len(journal)} bytes")
+    claim(journal[:8] == b"KELLYJNL" and crc32c(journal[:92]) == struct.unpack("<I", journal[92:96])[0], "header: magic and CRC-32C")
+    claim(all(crc32c(journal[at:at + RECORD - 4]) == struct.unpack("<I", journal[at + RECORD - 4:at + RECORD])[0]
+              for at in range(HEADER, len(journal), RECORD)), "records: CRC-32C")
+    claim(resumed(args, out) == (0, "", want), "from a whole journal")
+    claim(not os.path.exists(out + ".journal"), "the journal goes with the last file")
+    for cut in sorted({*range(0, HEADER + 2), *range(HEADER, len(journal), 7), len(journal) - 1}):
+        write(out + ".journal", journal[:cut])
+        status, said, got = resumed(args, out)
+        torn = 0 < cut < HEADER or (cut > HEADER and (cut - HEADER) % RECORD)
+        claim(status == 0 and got == want, f"cut at {cut}: exit {status}, {said!r}, other bytes {got != want}")
+        claim(said.count("\n") == (1 if torn else 0) and ("torn" in said) == bool(torn), f"cut at {cut}: says {said!r}")
+    for at in (HEADER, HEADER + 5, HEADER + RECORD - 1, HEADER + 3 * RECORD + 20, len(journal) - 1):
+        bad = bytearray(journal)
+        bad[at] ^= 0x10
+        write(out + ".journal", bytes(bad))
+        status, said, got = resumed(args, out)
+        claim(status == 0 and got == want and "torn" in said, f"byte {at} changed: exit {status}, {said!r}, other bytes {got != want}")
+    # records are believed: one that claims another count, with a sound CRC, shows that they are not computed again
+    forged = bytearray(journal)
+    struct.pack_into("<I", forged, HEADER + 8, struct.unpack_from("<I", forged, HEADER + 8)[0] ^ 1)
+    struct.pack_into("<I", forged, HEADER + RECORD - 4, crc32c(bytes(forged[HEADER:HEADER + RECORD - 4])))
+    write(out + ".journal", bytes(forged))
+    claim(resumed(args, out)[2] not in (want, b""), "what the journal holds is not computed again")
+    write(out + ".journal", journal)
+    fresh = kelly(f"map {args} --csv {out} --quiet")
+    claim(fresh.returncode == 0 and "gave up" in fresh.stderr and read(out) == want, f"without --resume a run starts afresh and says so: {fresh.stderr!r}")
+
+
+def check_foreign(folder):
+    args = "--rpm 60:90:30 --wob 40:90:50 --samples 20 --duration 1 --window 0:1"
+    out, want, journal = whole_journal(folder, args)
+    others = [("--seed 2", "seed 1, this is 2"), ("--mu 0.005", "another case"), ("--samples 21", "another case"), ("--rpm 60:90:15", "another case"),
+              ("--rpm 61:91:30", "another case"), ("--wob 40:91:50.5", "another case"), ("--f0 20", "another case"), ("--cov 0.1", "another case"),
+              ("--limit 0.7", "another case"), ("--first 1", "another case"), ("--adaptive 0.1 --samples 20", "another case"),
+              ("--torsional 9", "another case"), ("--step 0.0005", "another case"), ("--window 0:0.5", "another case")]
+    for more, word in others:
+        refused(f"map {args} {more} --csv {out} --resume", word)
+        claim(read(out + ".journal") == journal, f"{more}: a journal that is refused stays as it is")
+    if "double" in PROGRAM:
+        refused(f"map {args} --csv {out} --resume", "in float, this is in double", "double")
+    for at, new, word in ((36, b"rare\0", "kelly rare"), (52, b"pipe-01\0", "string pipe-01"), (8, b"\x09", "version")):
+        foreign = bytearray(journal)
+        foreign[at:at + len(new)] = new
+        struct.pack_into("<I", foreign, 92, crc32c(bytes(foreign[:92])))
+        write(out + ".journal", bytes(foreign))
+        refused(f"map {args} --csv {out} --resume", word)
+    for text in (b"my thesis\n", b"my thesis\n" * 100, b"KELLYJNL" + b"x" * 200):
+        write(out + ".journal", text)
+        for resume in ("--resume", "") if text[:5] != b"KELLY" else ("--resume",):
+            refused(f"map {args} --csv {out} {resume}", "not a journal")
+            claim(read(out + ".journal") == text, "a file that is no journal stays as it is")
+    write(out + ".journal", journal)
+    same = resumed(args + " --threads 3 --engine scalar", out)
+    claim(same == (0, "", want), f"threads and engine do not make another run: {same[:2]}")
+
+
+def start(args):
+    return subprocess.Popen([PROGRAM["float"]] + shlex.split(args), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+
+
+def check_lock(folder):
+    out = os.path.join(folder, "lock.csv")
+    args = "--rpm 60:90:15 --wob 40:90:25 --samples 400 --duration 20 --window 10:20"
+    with subprocess.Popen([PROGRAM["float"]] + shlex.split(f"map {args} --csv {out} --quiet"), stderr=subprocess.PIPE) as first:
+        while not os.path.exists(out + ".journal") or os.path.getsize(out + ".journal") < HEADER:
+            time.sleep(0.002)
+        second = kelly(f"map {args} --csv {out} --resume")
+        claim(first.poll() is None, "the first of two is still at work")
+        claim(second.returncode == 1 and "another process" in second.stderr and second.stderr.count("\n") == 1, f"the second of two: {second.stderr!r}")
+        _, said = first.communicate(timeout=120)
+    claim(first.returncode == 0 and said == b"" and os.path.exists(out), f"the first of two comes to its end: {said!r}")
+    with open(out + ".journal", "wb") as held:
+        fcntl.flock(held, fcntl.LOCK_EX)
+        refused(f"map {args} --csv {out}", "another process", status=1)
+    os.remove(out + ".journal")
+
+
+def check_killed(folder):
+    """kill -9 at random times, again and again, then to the end: the files of a run that was left alone."""
+    args = f"--rpm 60:120:12 --wob 40:140:20 --samples 200 {SHORT} --adaptive 0.1"
+    outputs = "--csv {0}.csv --json {0}.json --npy {0}.npy --quiet"
+    alone, killed = os.path.join(folder, "alone"), os.path.join(folder, "killed")
+    began = time.monotonic()
+    done(f"map {args} {outputs.format(alone)}")
+    whole = time.monotonic() - began
+    hits = 0
+    for trial in range(12):
+        for _ in range(3):
+            with start(f"map {args} {outputs.format(killed)} --resume") as process:
+                time.sleep(DRAWS.uniform(0.003, 0.5 * whole))
+                hits += process.poll() is None
+                process.send_signal(signal.SIGKILL)
+                process.communicate()
+        last = kelly(f"map {args} {outputs.format(killed)} --resume")
+        same = [read(f"{alone}.{kind}") == read(f"{killed}.{kind}") for kind in ("csv", "json", "npy")]
+        claim(last.returncode == 0 and all(same), f"trial {trial} of kill -9: exit {last.returncode}, {last.stderr!r}, files equal {same}")
+        for kind in ("csv", "json", "npy"):
+            os.remove(f"{killed}.{kind}")
+    left = sorted(f for f in os.listdir(folder) if f.endswith(".journal"))
+    claim(hits >= 18 and left == [], f"{hits} of 36 kills hit a running process; journals left: {left}")
+
+
+def check_disk_full(folder):
+    """A file that may not grow: one line, exit 1, and --resume ends with the same bytes."""
+    args = "--rpm 60:90:30 --wob 40:90:50 --samples 20 --mu 0.004 --duration 1 --window 0:1"
+    out, want, journal = whole_journal(folder, args)
+    os.remove(out + ".journal")
+
+    def small(limit):
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+
+    for limit in (0, 50, HEADER, HEADER + 5, HEADER + RECORD * 3 + 17, len(journal) - 1):
+        result = kelly(f"map {args} --csv {out} --quiet", preexec_fn=lambda limit=limit: small(limit), restore_signals=False)
+        claim(result.returncode == 1 and result.stderr.count("\n") == 1, f"room for {limit} bytes: exit {result.returncode}, {result.stderr!r}")
+        status, said, got = resumed(args, out)
+        claim(status == 0 and got == want, f"after room for {limit} bytes: exit {status}, {said!r}, other bytes {got != want}")
+
+
+# ---- advise
+
+def advise(args):
+    return json.loads(done(f"advise {args} --json -"))
+
+
+def check_advise():
+    case = "--mu 0.004 --samples 64 --duration 30 --window 15:30"
+    for start_at, below in (("rotating", 0.05), ("rest", 0.2)):
+        a = advise(f"--rpm 100 --wob 100 --start {start_at} --below {below} {case}")
+        for name in ("now", "by_rpm", "by_wob"):
+            s = a[name]
+
+            def at(rpm, wob):
+                return montecarlo(f"--rpm {rpm!r} --wob {wob!r} --f0 {wob / 2!r} --start {start_at} {case}")
+            mc = at(s["rpm"], s["wob_kN"])
+            claim(all(mc[key] == s[key] for key in ("probability", "ci95", "samples", "stuck", "refused", "digest")), f"advise {start_at} {name}: {s}, {mc}")
+            claim((s["probability"] < below) == (name != "now"), f"advise {start_at} {name}: {s['probability']} against {below}")
+            claim(s["f0_kN"] == s["wob_kN"] / 2, f"advise {start_at} {name}: f0 keeps its ratio")
+            if name != "now":
+                moved = ("rpm", "wob_kN") if name == "by_rpm" else ("wob_kN", "rpm")
+                claim(s[moved[0]] != 100 and s[moved[1]] == 100, f"advise {start_at} {name}: {s}")
+                change = s[moved[0]] - 100
+                nearer = round(100 + (change - 0.1 if change > 0 else change + 0.1), 6)
+                other = round(100 - change, 6)   # the same change the other way, and a tenth less this way: neither will do
+                for value in (nearer, other):
+                    p = at(value, 100.0) if name == "by_rpm" else at(100.0, value)
+                    claim(p["probability"] >= below, f"advise {start_at} {name}: {value} would do as well")
+    none = advise(f"--rpm 100 --wob 100 --start rest --below 0.05 --search-rpm 95:105 --search-wob 90:100 {case}")
+    claim(none["by_rpm"] is None and none["by_wob"] is None and none["searched_rpm"] == [95, 105], f"none within the range: {none}")
+    screen = done(f"advise --search-rpm 95:105 --search-wob 90:100 --start rest {case}")
+    claim("none in 95..105 rpm" in screen and "none in 90..100 kN" in screen, f"none within the range, on the screen: {screen}")
+    already = advise(f"--rpm 140 --wob 30 {case}")
+    claim(already["below_already"] and already["by_rpm"] is None, f"nothing to change: {already}")
+    claim("nothing to change" in done(f"advise --rpm 140 --wob 30 {case}"), "nothing to change, on the screen")
+    narrow = advise("--rpm 100 --wob 100 --mu 0.08 --samples 20 --duration 1 --window 0:1 --search-wob 100:400 --search-rpm 100:101 --below 0.9")
+    claim(narrow["now"]["refused"] == 0, "the test's case is sound")
+    fixed = advise(f"--rpm 100 --wob 100 --f0 10 --start rotating {case}")
+    claim(fixed["by_wob"] is None or fixed["by_wob"]["f0_kN"] == 10, "--f0 stays")
+
+
+# ---- the picture
+
+def check_picture(folder):
+    stem = os.path.join(folder, "map")
+    done(f"map --rpm 40:140:20 --wob 25:225:40 --samples 32 --mu 0.004 --duration 10 --window 5:10 --json {stem}.json --quiet")
+    drawn = subprocess.run([sys.executable, f"{ROOT}/host/draw_map.py", f"{stem}.json", stem], capture_output=True, text=True, check=False)
+    claim(drawn.returncode == 0 and drawn.stderr == "", f"draw_map: {drawn.stderr.strip()[-300:]!r}")
+    claim(read(stem + ".png")[:4] == b"\x89PNG" and len(read(stem + ".png")) > 50000, "a PNG")
+    svg = read(stem + ".svg").decode()
+    claim("<svg" in svg and str(folder) not in svg, "an SVG")
+    done(f"map --rpm 100 --wob 100 --samples 4 {SHORT} --json {stem}.json --quiet")
+    drawn = subprocess.run([sys.executable, f"{ROOT}/host/draw_map.py", f"{stem}.json", stem], capture_output=True, text=True, check=False)
+    claim(drawn.returncode == 1 and "at least 2 x 2" in drawn.stderr and drawn.stderr.count("\n") == 1, f"one cell has no contours: {drawn.stderr!r}")
+
+
+def million(folder):
+    """The largest grid there is, beside everything else: two million cells of one realisation of one step."""
+    return subprocess.Popen([PROGRAM["float"], *"map --rpm 40:139.9:0.1 --wob 25:224.8:0.2 --mu 0.004 --samples 1 --duration 0.001 --window 0:0.001".split(),
+                             "--npy", f"{folder}/million.npy", "--quiet", "--threads", "1"], stderr=subprocess.PIPE)
+
+
+def check_million(process, folder):
+    _, said = process.communicate(timeout=280)
+    claim(process.returncode == 0 and said == b"", f"a million cells: exit {process.returncode}, {said!r}")
+    p = np.load(f"{folder}/million.npy")
+    claim(p.shape == (2, 1000, 1000) and np.isin(p, (0.0, 1.0)).all(), f"a million cells: {p.shape}")
+
+
+CHECKS = [check_cells, check_same_bytes, check_adaptive, check_edges, check_grids, check_files, check_mistakes, check_torn, check_foreign, check_lock,
+          check_killed, check_disk_full, check_advise, check_picture]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--float", default=os.path.join(ROOT, "build/host/kelly"))
+    parser.add_argument("--double", default=os.path.join(ROOT, "build/host-double/kelly"))
+    parser.add_argument("names", nargs="*")
+    args = parser.parse_args()
+    PROGRAM["float"] = os.path.abspath(args.float)
+    if os.path.exists(args.double):
+        PROGRAM["double"] = os.path.abspath(args.double)
+    picked = [c for c in CHECKS if not args.names or c.__name__ in args.names or c.__name__[6:] in args.names]
+    big = tempfile.mkdtemp()
+    process = None if args.names else million(big)
+    try:
+        for check in picked:
+            folder = tempfile.mkdtemp()
+            began = time.monotonic()
+            before = count[False]
+            try:
+                check(*([folder] if check.__code__.co_argcount else []))
+            except (OSError, ValueError, KeyError, StopIteration, subprocess.TimeoutExpired) as error:
+                claim(False, f"{check.__name__}: {type(error).__name__}: {error}")
+            print(f"{check.__name__[6:]:12s} {time.monotonic() - began:5.1f} s{'' if count[False] == before else '  FAILED'}", flush=True)
+            shutil.rmtree(folder)
+        if process:
+            check_million(process, big)
+    finally:
+        shutil.rmtree(big)
+    print(f"{count[True]} passed, {count[False]} failed")
+    return count[False] != 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
