@@ -165,6 +165,10 @@ def check_adaptive():
         claim(cell["hi95"] - cell["lo95"] < 0.15 or finished(cell["stuck"], cell["samples"], 0), f"adaptive {setting}: neither narrow nor decided")
     capped = map_json(f"{args} --adaptive 0.02 --samples 100")
     claim(max(cell["samples"] for *_, cell in cells(capped)) == 100, "adaptive: --samples is the most of a cell")
+    narrow = map_json(f"{args} --adaptive 0.3 --samples 4000")
+    for start, j, i, cell in cells(narrow):
+        claim(cell["samples"] < 200, f"adaptive: an interval narrower than 0.3 ends a cell at P = 0.5 too: {start} {j} {i}: {cell}")
+    claim(any(not finished(cell["stuck"], cell["samples"], 0) for *_, cell in cells(narrow)), "the test has a cell that only its width ends")
     refused("map --adaptive 0", "0.002..1")
     refused("map --adaptive 2", "0.002..1")
     refused("map --adaptive x", "0.002..1")
@@ -205,6 +209,9 @@ def check_grids():
     claim(map_json(f"--rpm 100:100:5 --wob 100:104:5 --samples 20 {SHORT}") == one, "FROM:FROM:STEP is one cell")
     data = map_json("--rpm 40:143:5 --wob 25:225:10 --samples 1 --duration 0.1 --window 0:0.1")
     claim(data["rpm"] == list(range(40, 141, 5)) and data["wob_kN"] == list(range(25, 226, 10)), "TO belongs to the grid where it lies on it")
+    for grid, want in (("0.1:1:0.1", [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1]), ("40:40.3:0.1", [40, 40.1, 40.2, 40.3])):
+        got = map_json(f"--rpm {grid} --wob 100 --samples 1 --duration 0.01 --window 0:0.01")["rpm"]
+        claim(got == want, f"--rpm {grid}: decimal numbers, TO included: {got}")
     default = map_json("--samples 1 --duration 0.01 --window 0:0.01")
     claim((default["rpm"], default["wob_kN"]) == (data["rpm"], data["wob_kN"]), "the default grid is 40:140:5 x 25:225:10")
     for grid, word in (("140:40:5", "40:140:5"), ("40:140:0", "step"), ("40:140:-5", "step"), ("40:140", "no step"), ("40:140:5:5", "parts"),
@@ -279,6 +286,10 @@ def whole_journal(folder, args, real="float"):
     return out, read(out), read(out + ".journal")
 
 
+def records(journal):
+    return [journal[at:at + RECORD] for at in range(HEADER, len(journal), RECORD)]
+
+
 def resumed(args, out):
     """Resume into `out`, from nothing but its journal: exit, stderr, bytes."""
     if os.path.exists(out):
@@ -309,6 +320,10 @@ def check_torn(folder):
         write(out + ".journal", bytes(bad))
         status, said, got = resumed(args, out)
         claim(status == 0 and got == want and "torn" in said, f"byte {at} changed: exit {status}, {said!r}, other bytes {got != want}")
+    # behind a torn tail the journal goes on soundly: a second interruption loses nothing either
+    write(out + ".journal", journal[:HEADER + 5 * RECORD + 11])
+    again = kelly(f"map {args} --csv {out} --npy {folder}/taken --quiet --resume")
+    claim(again.returncode == 1 and sorted(records(read(out + ".journal"))) == sorted(records(journal)), "records behind a torn tail are sound, none is lost")
     # records are believed: one that claims another count, with a sound CRC, shows that they are not computed again
     forged = bytearray(journal)
     struct.pack_into("<I", forged, HEADER + 8, struct.unpack_from("<I", forged, HEADER + 8)[0] ^ 1)
@@ -417,28 +432,37 @@ def advise(args):
     return json.loads(done(f"advise {args} --json -"))
 
 
+def nearest(start_at, below, rpm, case):
+    """Advice at this setting: every number is montecarlo's, it is under the limit, and a tenth less or the other way will not do."""
+    a = advise(f"--rpm {rpm!r} --wob {100 if rpm == 100 else 60} --start {start_at} --below {below} {case}")
+    for name in ("now", "by_rpm", "by_wob"):
+        s, what = a[name], f"advise {start_at} at {rpm} rpm, {name}"
+        now = (a["now"]["rpm"], a["now"]["wob_kN"])
+
+        def at(speed, weight):
+            return montecarlo(f"--rpm {speed!r} --wob {weight!r} --f0 {round(weight / 2, 9)!r} --start {start_at} {case}")
+        mc = at(s["rpm"], s["wob_kN"])
+        claim(all(mc[key] == s[key] for key in ("probability", "ci95", "samples", "stuck", "refused", "digest")), f"{what}: {s}, {mc}")
+        claim((s["probability"] < below) == (name != "now"), f"{what}: {s['probability']} against {below}")
+        claim(abs(s["f0_kN"] - s["wob_kN"] / 2) < 1e-9, f"{what}: f0 keeps its ratio")
+        if name == "now":
+            continue
+        k = 0 if name == "by_rpm" else 1
+        change = (s["rpm"], s["wob_kN"])[k] - now[k]
+        claim(change != 0 and (s["rpm"], s["wob_kN"])[1 - k] == now[1 - k], f"{what} changes one of the two: {s}")
+        for other in (change - 0.1 if change > 0 else change + 0.1, -change):
+            value = round(now[k] + other, 6)
+            p = at(value, now[1]) if k == 0 else at(now[0], value)
+            claim(p["probability"] >= below, f"{what}: {value} would do as well as {s}")
+    return a
+
+
 def check_advise():
     case = "--mu 0.004 --samples 64 --duration 30 --window 15:30"
-    for start_at, below in (("rotating", 0.05), ("rest", 0.2)):
-        a = advise(f"--rpm 100 --wob 100 --start {start_at} --below {below} {case}")
-        for name in ("now", "by_rpm", "by_wob"):
-            s = a[name]
-
-            def at(rpm, wob):
-                return montecarlo(f"--rpm {rpm!r} --wob {wob!r} --f0 {wob / 2!r} --start {start_at} {case}")
-            mc = at(s["rpm"], s["wob_kN"])
-            claim(all(mc[key] == s[key] for key in ("probability", "ci95", "samples", "stuck", "refused", "digest")), f"advise {start_at} {name}: {s}, {mc}")
-            claim((s["probability"] < below) == (name != "now"), f"advise {start_at} {name}: {s['probability']} against {below}")
-            claim(s["f0_kN"] == s["wob_kN"] / 2, f"advise {start_at} {name}: f0 keeps its ratio")
-            if name != "now":
-                moved = ("rpm", "wob_kN") if name == "by_rpm" else ("wob_kN", "rpm")
-                claim(s[moved[0]] != 100 and s[moved[1]] == 100, f"advise {start_at} {name}: {s}")
-                change = s[moved[0]] - 100
-                nearer = round(100 + (change - 0.1 if change > 0 else change + 0.1), 6)
-                other = round(100 - change, 6)   # the same change the other way, and a tenth less this way: neither will do
-                for value in (nearer, other):
-                    p = at(value, 100.0) if name == "by_rpm" else at(100.0, value)
-                    claim(p["probability"] >= below, f"advise {start_at} {name}: {value} would do as well")
+    nearest("rotating", 0.05, 100, case)
+    nearest("rest", 0.2, 100, case)
+    ways = {np.sign(nearest("rest", 0.9, rpm, case)["by_rpm"]["rpm"] - rpm) for rpm in (39.0, 40.9, 41.2, 41.5, 43.0)}
+    claim(ways == {-1, 1}, f"between two ways out the nearer one is taken: {ways}")
     none = advise(f"--rpm 100 --wob 100 --start rest --below 0.05 --search-rpm 95:105 --search-wob 90:100 {case}")
     claim(none["by_rpm"] is None and none["by_wob"] is None and none["searched_rpm"] == [95, 105], f"none within the range: {none}")
     screen = done(f"advise --search-rpm 95:105 --search-wob 90:100 --start rest {case}")
@@ -446,10 +470,10 @@ def check_advise():
     already = advise(f"--rpm 140 --wob 30 {case}")
     claim(already["below_already"] and already["by_rpm"] is None, f"nothing to change: {already}")
     claim("nothing to change" in done(f"advise --rpm 140 --wob 30 {case}"), "nothing to change, on the screen")
-    narrow = advise("--rpm 100 --wob 100 --mu 0.08 --samples 20 --duration 1 --window 0:1 --search-wob 100:400 --search-rpm 100:101 --below 0.9")
-    claim(narrow["now"]["refused"] == 0, "the test's case is sound")
     fixed = advise(f"--rpm 100 --wob 100 --f0 10 --start rotating {case}")
-    claim(fixed["by_wob"] is None or fixed["by_wob"]["f0_kN"] == 10, "--f0 stays")
+    claim(fixed["by_wob"]["f0_kN"] == 10 and fixed["now"]["f0_kN"] == 10, "--f0 stays")
+    unsafe = advise("--rpm 100 --wob 600 --mu 0.04 --samples 40 --duration 1 --window 0:1 --limit 9.9 --below 0.5")
+    claim(unsafe["now"]["refused"] > 20 and not unsafe["below_already"], f"refused realisations count as stuck: {unsafe['now']}")
 
 
 # ---- the picture

@@ -21,6 +21,8 @@ GATES = {
     "tests on boards": ("test", 900, f"{PYTHON} tests/check_on_targets.py"),
     "command line": ("test", 600, f"{PYTHON} tests/check_cli.py"),
     "digests": ("test", 900, f"{PYTHON} tests/check_digests.py"),
+    "figures": ("test", 600, f"{PYTHON} tests/check_figures.py"),
+    "use": ("test", 600, f"{PYTHON} tests/check_use.py"),
     "generator": ("test", 300, f"{PYTHON} tests/check_gen.py"),
     "well files": ("test", 300, f"{PYTHON} tests/check_wells.py"),
     "unit, float": ("test", 300, "make -s unit && build/host/unit"),
