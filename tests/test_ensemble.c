@@ -144,9 +144,16 @@ static void marks_lift_off(void)
     EQUAL(results[0].liftoff, 0);
 }
 
+/* One lane of one realisation and everything that it needs: the 16 KB of a micro:bit hold it three times. */
+static void fits_a_small_part(void)
+{
+    CHECK(sizeof(kelly_work) <= 4096);
+}
+
 void test_ensemble(void);
 void test_ensemble(void)
 {
+    fits_a_small_part();
     does_not_mind_cuts();
     has_its_digest();
     classifies_what_it_ran();

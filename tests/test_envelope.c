@@ -8,10 +8,13 @@ static kelly_band band;
 /* 0, 1 / n, 2 / n, ... in an order without a pattern: i -> i step mod n, step and n without a common factor. */
 static void add_grid(uint32_t n, uint32_t step, real scale)
 {
+    int taken = 0;
+
     kelly_envelope_clear(&envelope);
     for (uint32_t i = 0; i < n; i++) {
-        CHECK(kelly_envelope_add(&envelope, scale * ((real)((uint32_t)((uint64_t)i * step % n)) / (real)n)));
+        taken += kelly_envelope_add(&envelope, scale * ((real)((uint32_t)((uint64_t)i * step % n)) / (real)n));
     }
+    CHECK(taken == (int)n);
     kelly_envelope_read(&envelope, &band);
 }
 
@@ -95,12 +98,14 @@ static void error_is_a_share_of_the_sampling_error(void)
     const uint32_t n = BY_LENGTH(3000, 100000);
     const wide s_tail = W(0.1561) * (wide)kelly_sqrt32((float)n), s_middle = W(0.5) * (wide)kelly_sqrt32((float)n);
     uint32_t u = 0;
+    int taken = 0;
 
     kelly_envelope_clear(&envelope);
     for (uint32_t i = 0; i < n; i++) {
         u += 2654435769u;
-        CHECK(kelly_envelope_add(&envelope, sticking((real)(u >> 8) / R(16777216.0))));
+        taken += kelly_envelope_add(&envelope, sticking((real)(u >> 8) / R(16777216.0)));
     }
+    CHECK(taken == (int)n);
     kelly_envelope_read(&envelope, &band);
     EQUAL(envelope.n, n);
     CHECK(envelope.used <= KELLY_CLUSTERS);
@@ -111,12 +116,15 @@ static void error_is_a_share_of_the_sampling_error(void)
 
 static void add_sorted(uint32_t n, int down)
 {
+    int taken = 0;
+
     kelly_envelope_clear(&envelope);
     for (uint32_t i = 0; i < n; i++) {
         const real u = (real)(down ? n - 1 - i : i) / (real)n;
 
-        CHECK(kelly_envelope_add(&envelope, sticking(u)));
+        taken += kelly_envelope_add(&envelope, sticking(u));
     }
+    CHECK(taken == (int)n);
     kelly_envelope_read(&envelope, &band);
 }
 
