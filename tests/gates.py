@@ -22,6 +22,7 @@ GATES = {
     "command line": ("test", 600, f"{PYTHON} tests/check_cli.py"),
     "digests": ("test", 900, f"{PYTHON} tests/check_digests.py"),
     "figures": ("test", 600, f"{PYTHON} tests/check_figures.py"),
+    "map": ("test", 600, f"{PYTHON} tests/check_map.py"),
     "use": ("test", 600, f"{PYTHON} tests/check_use.py"),
     "generator": ("test", 300, f"{PYTHON} tests/check_gen.py"),
     "well files": ("test", 300, f"{PYTHON} tests/check_wells.py"),
