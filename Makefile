@@ -33,6 +33,9 @@ real_flag := $(if $(filter double,$(REAL)),-DKELLY_DOUBLE)
 # ---- the string: the committed table, or one made from WELL ---------------------------------------------------------
 
 WELL ?= gen/wells/paper.toml
+ifneq ($(words $(WELL)),1)
+$(error WELL=$(WELL): give the path of one well file, without spaces)
+endif
 ifeq ($(WELL),gen/wells/paper.toml)
 name := paper
 tables := firmware/tables
@@ -79,7 +82,8 @@ dir := build/host$(real_suffix)$(name_suffix)
 
 # Flags in a file of their own: another CC or CFLAGS rebuilds.
 $(dir)/flags: FORCE
-	@mkdir -p $(@D); echo '$(CC) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(required)' | cmp -s - $@ || echo '$(CC) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(required)' > $@
+	@mkdir -p $(@D); [ "$$(cat $@ 2>/dev/null)" = '$(CC) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(required)' ] || \
+	 echo '$(CC) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(required)' > $@
 FORCE:
 
 kernel := $(patsubst firmware/%.c,%,$(wildcard firmware/*.c firmware/link/*.c))
@@ -147,11 +151,15 @@ $(dir)/tests/%.o: tests/%.c $(dir)/flags
 -include $(wildcard $(dir)/*.d $(dir)/*/*.d)
 
 run: $(dir)/kelly                             ## the main job: both rocks of the paper, P with its interval; TARGET=NAME: on a board
+ifeq ($(name),paper)
 	@echo "hard rock, mu = 0.04 (the paper: 100 %)"
 	@$(dir)/kelly montecarlo --mu 0.04 --samples 4000
 	@echo
 	@echo "soft rock, mu = 0.004 (the paper: 50 %)"
 	@$(dir)/kelly montecarlo --mu 0.004 --samples 4000
+else
+	@$(dir)/kelly montecarlo --samples 4000
+endif
 
 digest: $(dir)/kelly                          ## one line: digest of 8 realisations of SEED from FIRST; the same on every TARGET
 	@$(dir)/kelly montecarlo --duration 4 --window 2:4 --mu 0.04 --cov 0.2 --samples 8 --seed $(SEED) --first $(FIRST) | sed -n 's/.*\(digest [0-9a-f]*\).*/\1/p'
@@ -189,7 +197,7 @@ build/tables/$(name).c: build/tables/$(name).toml $(wildcard gen/*.py)
 
 # A copy tells another file of the same name from this one.
 build/tables/$(name).toml: FORCE
-	@mkdir -p $(@D); cmp -s '$(WELL)' $@ || cp '$(WELL)' $@ 2>/dev/null || : > $@
+	@mkdir -p $(@D); [ -r '$(WELL)' ] && [ "$$(cat '$(WELL)')" = "$$(cat $@ 2>/dev/null)" ] || cp '$(WELL)' $@ 2>/dev/null || : > $@
 endif
 
 # ---- the rest -----------------------------------------------------------------------------------------------------
@@ -213,6 +221,9 @@ readme: $(dir)/kelly size                     ## the tables of the README from r
 	@$(with_python) tests/readme_tables.py README.md run=build/run.md modes=build/modes.md digests=build/digests.md bench=build/bench.md \
 	    size=build/size.md cycles=build/cycles.md
 
+convergence:                                  ## how many elements and modes are enough for WELL (some 40 s)
+	@$(with_python) gen '$(WELL)' --convergence
+
 tables:                                       ## regenerate firmware/tables from gen/wells/paper.toml (needs numpy)
 	$(PYTHON) gen gen/wells/paper.toml --out firmware/tables
 
@@ -222,4 +233,4 @@ clean:                                        ## remove build/
 help:                                         ## this list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
 
-.PHONY: all unit run digest size bench readme test map figures tables install clean help
+.PHONY: FORCE all unit convergence run digest size bench readme test map figures tables install clean help

@@ -4,7 +4,8 @@
 
 #include "host.h"
 
-#define LISTED 100u              /* refused realisations that are named one by one */
+#define LISTED 100u              /* refused realisations that are named one by one in the JSON */
+#define SHOWN 12u                /* and on the terminal */
 #define DIGITS (sizeof(real) > sizeof(float) ? 17 : 9)
 
 static const char *const status_names[KELLY_STATUSES] = { "ok", "step", "range", "nonfinite" };
@@ -163,15 +164,34 @@ static const char *colour(double lo, double hi)
     return lo > 0.5 ? "31" : hi < 0.05 ? "32" : "33";
 }
 
+/* What a reader of the one number must know. */
+static void warn(const outcome *out)
+{
+    const kelly_tally *const t = &out->tally;
+    kelly_draw nominal;
+    kelly_modes modes;
+
+    if (t->liftoff > t->samples / 100) {
+        printf("warning: in %u of %u the weight would change its sign (|fc| < 1.01 f0): the bit would lift off, which this model leaves out\n",
+               t->liftoff, t->samples);
+    }
+    kelly_draw_nominal(&out->opts->run, &nominal);
+    if (t->status[KELLY_STEP] > t->samples / 100 && kelly_realise(&kelly_string, &out->opts->run, &nominal, &modes) != KELLY_RANGE) {
+        printf("warning: the step is too long for %u of %u; the nominal case allows %.6f s, its tails about a third of that\n", t->status[KELLY_STEP],
+               t->samples, (double)kelly_largest_step(&kelly_string, &out->opts->run, &nominal, &modes));
+    }
+}
+
 static void print_outcome(const outcome *out, double lo, double hi)
 {
     const kelly_tally *const t = &out->tally;
     const uint32_t counted = t->samples - kelly_refused(t);
+    const int digits = hi - lo > 1e-3 ? 4 : hi - lo > 1e-5 ? 6 : 8;   /* as many as the interval's width needs */
 
     print_case(out);
     if (counted > 0) {
-        printf("P(stick-slip) = %s%.4f%s   95 %% interval %.4f .. %.4f   (%u of %u with ss > %.6g)\n", ink(stdout, colour(lo, hi)),
-               (double)kelly_probability(t), ink(stdout, "0"), lo, hi, t->stuck, counted, (double)out->opts->run.limit);
+        printf("P(stick-slip) = %s%.*f%s   95 %% interval %.*f .. %.*f   (%u of %u with ss > %.6g)\n", ink(stdout, colour(lo, hi)), digits,
+               (double)kelly_probability(t), ink(stdout, "0"), digits, lo, digits, hi, t->stuck, counted, (double)out->opts->run.limit);
         printf("ss = (max - min)/(max + min) of the bit speed, the paper's; by the field's SSI = (max - min)/(2 mean) > %.6g: P = %.4f (%u of %u)\n",
                (double)out->opts->run.limit, (double)out->stuck_ssi / counted, out->stuck_ssi, counted);
     } else {
@@ -180,11 +200,12 @@ static void print_outcome(const outcome *out, double lo, double hi)
     printf("refused %u (step %u, range %u, nonfinite %u), lift-off %u, seed %llu, first %u, digest %08x, %s, %s, %.2f s\n", kelly_refused(t),
            t->status[KELLY_STEP], t->status[KELLY_RANGE], t->status[KELLY_NONFINITE], t->liftoff, (unsigned long long)out->opts->seed,
            out->opts->first, t->digest, sizeof(real) > 4 ? "double" : "float", out->engine->name, out->seconds);
-    for (uint32_t i = 0; i < listed(out); i++) {
+    warn(out);
+    for (uint32_t i = 0; i < listed(out) && i < SHOWN; i++) {
         printf("%s%u (%s)", i ? ", " : "refused: ", out->refused[i], status_names[out->why[i]]);
     }
     if (listed(out) > 0) {
-        puts(kelly_refused(t) > LISTED ? ", ... (all with --csv)" : "");
+        puts(kelly_refused(t) > SHOWN ? ", ... (all with --csv)" : "");
     }
     for (unsigned i = 0; i < out->convergence.count; i++) {
         printf("conv(%u) = %.6g m2 s\n", out->convergence.n[i], out->convergence.value[i]);

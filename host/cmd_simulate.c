@@ -51,6 +51,9 @@ static void run_to(FILE *to, field_file *field, kelly_plant *plant, const option
     uint32_t tick = 0;
     kelly_sight sight;
 
+    if (run->window_first == 0) {
+        open_window(plant, window);
+    }
     kelly_plant_look(plant, &sight);
     write_line(to, 0.0, &sight);
     field_write(field, plant, 0.0);
@@ -131,6 +134,9 @@ int command_simulate(int argc, char **argv)
     field_close(&field);
     if (!opts.quiet && opts.out && strcmp(opts.out, "-") != 0) {
         summary(stdout, &opts, &window);
+        if (kelly_lifts_off(&opts.run, &draw)) {
+            puts("warning: the weight changes its sign (|fc| < 1.01 f0) and is held at 0: the bit would lift off, which this model leaves out");
+        }
     }
     return EXIT_DONE;
 }

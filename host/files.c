@@ -1,5 +1,6 @@
 /* files.c - messages, and files that appear whole or not at all. */
 #include <errno.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,11 +9,41 @@
 
 #include "host.h"
 
-static outfile *open_files[4];   /* removed by die() */
+#define OPEN_MAX_FILES 8u
+
+static outfile *open_files[OPEN_MAX_FILES];   /* removed by die() and by a signal */
+
+/* Only unlink: this runs in a signal handler too. */
+static void remove_temporaries(void)
+{
+    for (unsigned i = 0; i < OPEN_MAX_FILES; i++) {
+        if (open_files[i] && open_files[i]->temporary) {
+            unlink(open_files[i]->temporary);
+        }
+    }
+}
+
+static void interrupted(int signal_number)
+{
+    remove_temporaries();
+    signal(signal_number, SIG_DFL);
+    raise(signal_number);
+}
+
+static void catch_signals(void)
+{
+    static const int caught[] = { SIGINT, SIGTERM, SIGHUP };
+
+    for (unsigned i = 0; i < sizeof(caught) / sizeof(caught[0]); i++) {
+        if (signal(caught[i], interrupted) == SIG_IGN) {
+            signal(caught[i], SIG_IGN);
+        }
+    }
+}
 
 static void forget(const outfile *file)
 {
-    for (unsigned i = 0; i < 4; i++) {
+    for (unsigned i = 0; i < OPEN_MAX_FILES; i++) {
         if (open_files[i] == file) {
             open_files[i] = 0;
         }
@@ -21,7 +52,7 @@ static void forget(const outfile *file)
 
 static void remember(outfile *file)
 {
-    for (unsigned i = 0; i < 4; i++) {
+    for (unsigned i = 0; i < OPEN_MAX_FILES; i++) {
         if (!open_files[i]) {
             open_files[i] = file;
             return;
@@ -38,11 +69,7 @@ _Noreturn void die(int status, const char *format, ...)
     vfprintf(stderr, format, args);
     fputc('\n', stderr);
     va_end(args);
-    for (unsigned i = 0; i < 4; i++) {
-        if (open_files[i] && open_files[i]->temporary) {
-            unlink(open_files[i]->temporary);
-        }
-    }
+    remove_temporaries();
     exit(status);
 }
 
@@ -77,6 +104,7 @@ void outfile_open(outfile *file, const char *path)
         die(EXIT_FAILED, "%s: cannot write here: %s", path, strerror(errno));
     }
     remember(file);
+    catch_signals();
     file->stream = fdopen(fd, "w");
     if (!file->stream) {
         die(EXIT_FAILED, "%s: cannot write here: %s", path, strerror(errno));

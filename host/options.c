@@ -42,6 +42,15 @@ uint64_t option_whole(const char *option, const char *text, uint64_t lo, uint64_
 
     errno = 0;
     x = strtoull(text, &end, 10);
+    if (isdigit((unsigned char)text[0]) && strchr(text, 'e')) {   /* 1e6 is a whole number too */
+        const double y = strtod(text, &end);
+
+        if (*end == '\0' && y <= 0x1p53 && y == floor(y)) {
+            x = (unsigned long long)y;
+        } else {
+            end = (char *)"not whole";
+        }
+    }
     if (!isdigit((unsigned char)text[0]) || *end != '\0' || errno == ERANGE) {
         die(EXIT_USAGE, "%s %s: not a whole number; give %s", option, text, right);
     }
@@ -293,6 +302,9 @@ static int parse_one(options *out, times *when, int argc, char **argv, unsigned 
         return 1;
     }
     value = equals ? equals + 1 : argc > 1 ? argv[1] : "";
+    if (*value == '\0') {
+        die(EXIT_USAGE, "%s: needs a value; see kelly %s --help", name, command);
+    }
     known = parse_common(out, name, value) || (takes & TAKES_CASE && parse_case(out, when, name, value)) ||
             (takes & (TAKES_ENSEMBLE | TAKES_SIMULATE) && parse_random(out, name, value, takes));
     if (!known && takes & TAKES_JSON && strcmp(name, "--json") == 0) {
@@ -302,9 +314,6 @@ static int parse_one(options *out, times *when, int argc, char **argv, unsigned 
     known = known || (more && more(context, name, value));
     if (!known) {
         die(EXIT_USAGE, "%s: unknown option %s; see kelly %s --help", command, name, command);
-    }
-    if (*value == '\0') {
-        die(EXIT_USAGE, "%s: needs a value; see kelly %s --help", name, command);
     }
     return equals ? 1 : 2;
 }

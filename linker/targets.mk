@@ -32,6 +32,11 @@ OPT ?= -O2
 TABLE ?= firmware/tables/paper.c
 OUT ?= build/$(TARGET)$(if $(filter double,$(REAL)),-double)
 TARGET_CC := $(CROSS)gcc
+ifeq ($(shell command -v $(TARGET_CC)),)
+$(error TARGET=$(TARGET) needs $(TARGET_CC) and QEMU; Debian: apt install gcc-arm-none-eabi libnewlib-arm-none-eabi \
+ gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf qemu-system-arm qemu-system-misc)
+endif
+Q ?= $(if $(V),,@)
 WARN ?= -Wall -Wextra -pedantic -Wconversion -Wshadow -Wundef -Wcast-qual -Wstrict-prototypes -Wmissing-prototypes -Wvla \
         $(if $(filter double,$(REAL)),,-Wdouble-promotion)
 WERROR ?= -Werror
@@ -57,23 +62,23 @@ TARGET_RUN_COUNTING = $(TARGET_RUN) --counting
 
 # Flags in a file of their own: another OPT or REAL in the same OUT rebuilds.
 $(OUT)/flags: FORCE
-	@mkdir -p $(OUT); echo '$(subst ','"'"',$(TARGET_CC) $(TARGET_FLAGS) $(TARGET_FIXED))' | cmp -s - $@ || \
+	@mkdir -p $(OUT); [ "$$(cat $@ 2>/dev/null)" = '$(subst ','"'"',$(TARGET_CC) $(TARGET_FLAGS) $(TARGET_FIXED))' ] || \
 	 echo '$(subst ','"'"',$(TARGET_CC) $(TARGET_FLAGS) $(TARGET_FIXED))' > $@
 FORCE:
 
 $(OUT)/%.o: %.c $(OUT)/flags
-	@mkdir -p $(@D)
-	$(TARGET_CC) $(TARGET_FLAGS) $(TARGET_EXTRA) $(TARGET_FIXED) -c $< -o $@
+	@mkdir -p $(@D); echo 'CC $<' >&2
+	$(Q)$(TARGET_CC) $(TARGET_FLAGS) $(TARGET_EXTRA) $(TARGET_FIXED) -c $< -o $@
 $(OUT)/%.o: %.S $(OUT)/flags
-	@mkdir -p $(@D)
-	$(TARGET_CC) $(ARCH) -g -c $< -o $@
+	@mkdir -p $(@D); echo 'CC $<' >&2
+	$(Q)$(TARGET_CC) $(ARCH) -g -c $< -o $@
 $(OUT)/firmware/board/memory.o: TARGET_EXTRA := -fno-tree-loop-distribute-patterns
 
 # bare_image,IMAGE,SOURCES
 define bare_image
 $(OUT)/$(1).elf: $(call target_objects,$(2)) $(TARGET_BOARD_OBJECTS) linker/$(TARGET).ld linker/sections.ld
 	@mkdir -p $$(@D)
-	$(TARGET_CC) $(TARGET_LINK) -Wl,-Map=$(OUT)/$(1).map $$(filter %.o,$$^) -lgcc -o $$@
+	$$(Q)$(TARGET_CC) $(TARGET_LINK) -Wl,-Map=$(OUT)/$(1).map $$(filter %.o,$$^) -lgcc -o $$@
 -include $(patsubst %.o,%.d,$(call target_objects,$(2)))
 endef
 define image
@@ -104,8 +109,8 @@ TARGET_TEST_HELP := tests/check.c tests/on_target.c $(wildcard tests/fixture.c t
 $(eval $(call image,tests,tests/main.c $(TARGET_TEST_HELP) $(TARGET_TESTS)))
 tests-image: $(OUT)/tests.elf
 $(OUT)/one/%.o: tests/one_test.c $(OUT)/flags
-	@mkdir -p $(@D)
-	$(TARGET_CC) $(TARGET_FLAGS) -DONE_TEST=$* $(TARGET_FIXED) -c $< -o $@
+	@mkdir -p $(@D); echo 'CC $<' >&2
+	$(Q)$(TARGET_CC) $(TARGET_FLAGS) -DONE_TEST=$* $(TARGET_FIXED) -c $< -o $@
 define one_test
 $(call image,$(1),tests/$(1).c $(TARGET_TEST_HELP))
 $(OUT)/$(1).elf: $(OUT)/one/$(1).o

@@ -19,7 +19,7 @@ USAGE = [
     "montecarlo --step 1e-7", "montecarlo --step 2", "montecarlo --step 0.0000010005", "montecarlo --step 0.003",
     *(f"{MC} --cov {value}" for value in ("-0.1", "0.6", "nan", "abc", "inf", "fc", "fc=", "fc=0.6", "fc=-0.1", "fc=nan", "xx=0.1", "fc=0.1,mu",
                                           "fc=0.1,xx=0.1", "=0.1", "0.1,0.2", "fc=0.1x", "fc=0.1,fc=0.2", "fc=0.1,,mu=0.1", "fc=0.1,")),
-    *(f"montecarlo --samples {value}" for value in ("0", "-1", "abc", "1.5", "1e3", "4294967296", "99999999999999999999", "+5")),
+    *(f"montecarlo --samples {value}" for value in ("0", "-1", "abc", "1.5", "1e-3", "4294967296", "99999999999999999999", "+5")),
     *(f"{MC} --seed {value}" for value in ("-1", "abc", "1.5", "18446744073709551616", "nan")),
     *(f"{MC} --first {value}" for value in ("-1", "abc", "4294967296", "4294967295")),
     *(f"{MC} --threads {value}" for value in ("0", "-1", "abc", "1025", "1.5")),

@@ -284,7 +284,7 @@ def check_refused():
         claim(0 < len(bad) < len(rows) and r["refused"] == r["refused_by"][why] + sum(v for k, v in r["refused_by"].items() if k != why), f"{what}: {r}")
         claim(len(bad) == r["refused_by"][why], f"{what}: {len(bad)} rows, {r['refused_by']}")
         claim([i for i, reason in r["refused_first"] if reason == why] == bad[:100], f"{what}: --json names others")
-        claim(all(f"{i} ({why})" in text for i in bad[:20]), f"{what}: the summary does not name them")
+        claim(all(f"{i} ({why})" in text for i in bad[:12]), f"{what}: the summary does not name them")
         close(r["ci95"], clopper_pearson(r["stuck"], r["samples"], r["refused"]), 1e-9, f"{what}: interval")
         claim(all(row["bit_min_rpm"] == row["ss"] == "" and row["stuck"] == "0" for row in rows if row["status"] != "ok"), f"{what}: results of refused ones")
         claim(f"{crc32c(b''.join(map(record, rows))):08x}" == r["digest"], f"{what}: digest")
@@ -326,7 +326,7 @@ def check_mistakes():
     with tempfile.TemporaryDirectory() as where:
         for args in bad_usage.USAGE:
             refused(kelly("float", args, cwd=where), 2, args)
-            if not args.startswith(("modes", "nonsense")):
+            if not args.startswith(("modes", "nonsense")) and "--csv" not in args:   # another --csv would take its place
                 refused(kelly("float", f"{args} {'--out' if args.startswith('sim') else '--csv'} {where}/left.csv", cwd=where), 2, args + " and a file")
         for args in bad_usage.FILES:
             refused(kelly("float", args.format(D=f"{where}/none", F=where), cwd=where), 1, args)

@@ -86,6 +86,21 @@ static void say_outcome(const kelly_tally *tally)
     board_text("\n");
 }
 
+/* The case, as the host prints it. */
+static void say_case(const kelly_case *run)
+{
+    say_value(", ", (wide)(run->w0 * TO_RPM), 2);
+    say_value(" rpm, ", (wide)(run->fc / R(1000.0)), 2);
+    say_value(" kN, f0 ", (wide)(run->f0 / R(1000.0)), 2);
+    say_value(" kN, mu ", (wide)run->mu, 6);
+    say_value(", alpha1 ", (wide)run->a1, 3);
+    say_value(", alpha2 ", (wide)run->a2, 3);
+    board_text(run->rotating ? ", start rotating, window " : ", start rest, window ");
+    say_number("", run->window_first / (1000000000u / run->step_ns));
+    say_number(":", run->window_last / (1000000000u / run->step_ns));
+    board_text(" s\n");
+}
+
 /* The case that the line asks for, on the step of the table. */
 static kelly_case asked_case(const char *line)
 {
@@ -150,12 +165,20 @@ static void count(const kelly_case *run)
 int main(void)
 {
     char line[LINE_MAX];
-    const char *error = kelly_table_error(&kelly_string);
+    static const char *const keys[] = { "seed", "first", "samples", "mu_e6", "seconds", "from", "digest", "count" };
+    const char *error = kelly_table_error(&kelly_string), *stranger;
     kelly_case run;
 
     board_text("kelly " KELLY_VERSION " on " BOARD_NAME "\n");
     if (line_ask(line) < 0) {
         board_text("no answer: the well file's case\n");
+    }
+    stranger = line_stranger(line, keys, (int)(sizeof(keys) / sizeof(keys[0])));
+    if (stranger) {
+        board_text("not understood: ");
+        board_text(stranger);
+        board_text("; give seed= first= samples= mu_e6= seconds= from= digest= count=, whole numbers\n");
+        return 2;
     }
     run = asked_case(line);
     error = error ? error : kelly_case_error(&kelly_string, &run);
@@ -165,10 +188,8 @@ int main(void)
         return 1;
     }
     board_text(kelly_string.id);
-    board_text(sizeof(real) > sizeof(float) ? ", double, " : ", float, ");
-    say_number("window ", run.window_first / (1000000000u / run.step_ns));
-    say_number(":", run.window_last / (1000000000u / run.step_ns));
-    board_text(" s\n");
+    board_text(sizeof(real) > sizeof(float) ? ", double" : ", float");
+    say_case(&run);
     if (line_number(line, "count", 0) != 0) {
         count(&run);
     } else {

@@ -50,3 +50,33 @@ uint64_t line_number(const char line[LINE_MAX], const char *key, uint64_t otherw
         value = 10u * value + (uint64_t)(*digit - '0');
     return value;
 }
+
+/* The length of a word that is `key=digits`, 0 where it is not. */
+static int known_word(const char *word, const char *key)
+{
+    int i = 0, digits = 0;
+
+    while (key[i] != '\0' && word[i] == key[i])
+        i++;
+    if (key[i] != '\0' || word[i] != '=')
+        return 0;
+    for (i++; word[i] >= '0' && word[i] <= '9'; i++)
+        digits++;
+    return digits > 0 && (word[i] == ' ' || word[i] == '\0') ? i : 0;
+}
+
+const char *line_stranger(const char line[LINE_MAX], const char *const keys[], int count)
+{
+    const char *word = line;
+
+    while (*word != '\0') {
+        int length = *word == ' ';
+
+        for (int k = 0; k < count && length == 0; k++)
+            length = known_word(word, keys[k]);
+        if (length == 0)
+            return word;
+        word += length;
+    }
+    return 0;
+}
