@@ -243,8 +243,8 @@ static void print_axis(const advice *a, unsigned weight)
     const ray *const r = a->best[weight];
 
     if (r) {
-        printf("%s  %+8.1f %-3s -> %.6g rpm, %.6g kN: ", names[weight], r->sign * RESOLUTION * (double)r->yes, units[weight], r->at_yes.rpm,
-               r->at_yes.wob_kN);
+        printf("%s  %+8.1f %-3s -> %.6g rpm, %.6g kN, f0 %.6g kN: ", names[weight], r->sign * RESOLUTION * (double)r->yes, units[weight],
+               r->at_yes.rpm, r->at_yes.wob_kN, r->at_yes.f0_kN);
         print_probability(&r->at_yes);
     } else {
         printf("%s  none in %.6g..%.6g %s is below %.6g; the lowest P found is %.4f\n", names[weight], a->range[weight].lo, a->range[weight].hi,
@@ -264,6 +264,8 @@ static void print_advice(const advice *a)
     }
     print_axis(a, 0);
     print_axis(a, 1);
+    printf("each is an estimate below %.6g from %u realisations, and its interval says how sure; f0 %s\n", a->limit, a->opts.samples,
+           a->f0_given ? "as given" : "keeps its ratio to the weight: give --f0 as printed to run a setting with montecarlo");
 }
 
 static void json_setting(FILE *to, const char *name, const cell *c, const char *end)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""gates.py - run the gates of `make test` or `make prove`, as many side by side as there are processors.
+"""gates.py - run the gates of `make test`, as many side by side as there are processors.
 
-usage: tests/gates.py test|prove [NAME...]
+usage: tests/gates.py test [NAME...]
 
 A gate is a command whose last line is `N passed, N failed`. One that ends otherwise, or with another status than its line
 says, counts as one failure and shows the end of what it printed. The last line here is the sum.
@@ -18,22 +18,23 @@ PYTHON = sys.executable
 
 # name: (group, timeout in s, command). Long ones first, so that the last to end is a short one.
 GATES = {
-    "tests on boards": ("test", 900, f"{PYTHON} tests/check_on_targets.py"),
-    "command line": ("test", 600, f"{PYTHON} tests/check_cli.py"),
+    "tests-on-boards": ("test", 900, f"{PYTHON} tests/check_on_targets.py"),
+    "command-line": ("test", 600, f"{PYTHON} tests/check_cli.py"),
     "digests": ("test", 900, f"{PYTHON} tests/check_digests.py"),
     "figures": ("test", 600, f"{PYTHON} tests/check_figures.py"),
     "map": ("test", 600, f"{PYTHON} tests/check_map.py"),
     "use": ("test", 600, f"{PYTHON} tests/check_use.py"),
     "generator": ("test", 300, f"{PYTHON} tests/check_gen.py"),
-    "well files": ("test", 300, f"{PYTHON} tests/check_wells.py"),
-    "unit, float": ("test", 300, "make -s unit && build/host/unit"),
-    "unit, double": ("test", 300, "make -s unit REAL=double && build/host-double/unit"),
-    "lanes, float": ("test", 300, "make -s unit && build/host/lanes"),
-    "lanes, double": ("test", 300, "make -s unit REAL=double && build/host-double/lanes"),
-    "accuracy, float": ("test", 300, "make -s unit && build/host/accuracy"),
+    "well-files": ("test", 300, f"{PYTHON} tests/check_wells.py"),
+    "unit-float": ("test", 300, "make -s unit && build/host/unit"),
+    "unit-double": ("test", 300, "make -s unit REAL=double && build/host-double/unit"),
+    "lanes-float": ("test", 300, "make -s unit && build/host/lanes"),
+    "lanes-double": ("test", 300, "make -s unit REAL=double && build/host-double/lanes"),
+    "accuracy-float": ("test", 300, "make -s unit && build/host/accuracy"),
     "vectors": ("test", 120, f"{PYTHON} tests/vectors/make_vectors.py --check"),
     "boards": ("test", 900, f"{PYTHON} tests/check_targets.py"),
-    "accuracy, double": ("test", 300, "make -s unit REAL=double && build/host-double/accuracy"),
+    "rebuilds": ("test", 300, f"{PYTHON} tests/check_rebuilds.py"),
+    "accuracy-double": ("test", 300, "make -s unit REAL=double && build/host-double/accuracy"),
 }
 
 
@@ -78,6 +79,8 @@ class Board:
 
 
 def main():
+    if len(sys.argv) < 2 or sys.argv[1] not in {g for g, _, _ in GATES.values()}:
+        sys.exit(__doc__)
     group, only = sys.argv[1], sys.argv[2:]
     names = [n for n in GATES if GATES[n][0] == group and (not only or n in only)]
     if not names:
