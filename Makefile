@@ -41,6 +41,9 @@ name := paper
 tables := firmware/tables
 else
 name := $(basename $(notdir $(WELL)))
+ifneq ($(if $(filter double %_shapes,$(name)),bad,$(shell printf '%s' '$(name)' | tr -d 'A-Za-z0-9_.-')),)
+$(error WELL=$(WELL): name the file of letters, digits, '_', '-' and '.', and neither double nor ..._shapes)
+endif
 tables := build/tables
 name_suffix := -$(name)
 endif
@@ -59,7 +62,8 @@ run: device
 	$(TARGET_RUN) --timeout 600 --line '$(if $(filter hard,$(if $(real_flag),$(DOUBLE),$(FLOAT))),samples=4,samples=2 seconds=10)' $(OUT)/device.elf
 
 digest: device
-	@$(TARGET_RUN) --timeout 600 --line 'digest=1 samples=8 seconds=4 from=2 seed=$(SEED) first=$(FIRST)' $(OUT)/device.elf | grep '^digest '
+	@$(TARGET_RUN) --timeout 600 --line 'digest=1 samples=8 seconds=4 from=2 seed=$(SEED) first=$(FIRST)' $(OUT)/device.elf > $(OUT)/digest.txt || \
+	 { tail -2 $(OUT)/digest.txt >&2; exit 1; }; grep '^digest ' $(OUT)/digest.txt
 
 size: device
 	@$(CROSS)size $(OUT)/device.elf
@@ -71,7 +75,12 @@ else
 
 # Equal bits: no contraction, no libm in place of sqrt, and no gcc 12 bug with volatile registers (where the flag is known).
 probe = $(shell echo 'int x;' | $(CC) $(1) -Werror -xc -c - -o /dev/null 2>/dev/null && echo $(1))
-required := -std=c11 -ffp-contract=off -fno-math-errno -fno-trapping-math $(call probe,-fno-move-loop-stores)
+required := -std=c11 -ffp-contract=off -fno-math-errno -fno-trapping-math -fno-associative-math -fno-reciprocal-math -fsigned-zeros \
+            $(call probe,-fno-move-loop-stores) $(call probe,-fno-single-precision-constant)
+relaxed := $(filter -ffast-math -Ofast -funsafe-math-optimizations -ffinite-math-only,$(CFLAGS) $(CPPFLAGS))
+ifneq ($(relaxed),)
+$(error $(relaxed): kelly needs IEEE arithmetic, the bits would not be the same)
+endif
 warnings := -Wall -Wextra -pedantic -Wdouble-promotion -Wconversion -Wshadow -Wundef -Wcast-qual -Wstrict-prototypes -Wmissing-prototypes -Wvla
 host_only := -D_GNU_SOURCE -pthread
 machine := $(shell $(CC) -dumpmachine)
@@ -82,8 +91,8 @@ dir := build/host$(real_suffix)$(name_suffix)
 
 # Flags in a file of their own: another CC or CFLAGS rebuilds.
 $(dir)/flags: FORCE
-	@mkdir -p $(@D); [ "$$(cat $@ 2>/dev/null)" = '$(CC) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(required)' ] || \
-	 echo '$(CC) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(required)' > $@
+	@mkdir -p $(@D); [ "$$(cat $@ 2>/dev/null)" = '$(CC) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(required) $(real_flag)' ] || \
+	 echo '$(CC) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(required) $(real_flag)' > $@
 FORCE:
 
 kernel := $(patsubst firmware/%.c,%,$(wildcard firmware/*.c firmware/link/*.c))
@@ -131,6 +140,10 @@ $(foreach e,$(engines),$(eval $(call engine_rule,$(e))))
 
 # ---- tests of the host --------------------------------------------------------------------------------------------
 
+ifneq ($(tables),firmware/tables)
+$(library) $(host_objects): | $(tables)/$(name).c      # a bad well file is told before anything is compiled
+endif
+
 unit_objects := $(patsubst tests/%.c,$(dir)/tests/%.o,tests/main.c tests/check.c tests/fixture.c tests/textbook.c $(wildcard tests/test_*.c))
 engine_objects := $(dir)/host/engine.o $(dir)/host/files.o
 
@@ -162,7 +175,8 @@ else
 endif
 
 digest: $(dir)/kelly                          ## one line: digest of 8 realisations of SEED from FIRST; the same on every TARGET
-	@$(dir)/kelly montecarlo --duration 4 --window 2:4 --mu 0.04 --cov 0.2 --samples 8 --seed $(SEED) --first $(FIRST) | sed -n 's/.*\(digest [0-9a-f]*\).*/\1/p'
+	@$(dir)/kelly montecarlo --duration 4 --window 2:4 --mu 0.04 --cov 0.2 --samples 8 --seed $(SEED) --first $(FIRST) > $(dir)/digest.txt
+	@sed -n 's/.*\(digest [0-9a-f]*\).*/\1/p' $(dir)/digest.txt
 
 # The rock on which the start decides; MAP='--mu 0.02 --rpm 60:180:5' for another map.
 MAP ?= $(if $(name_suffix),,--mu 0.004)

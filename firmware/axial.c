@@ -2,10 +2,30 @@
 
 #include "detmath.h"
 
-int kelly_axial_start(kelly_axial *axial, const kelly_table *table, const kelly_case *run, const kelly_draw *draw)
+real kelly_axial_largest_step(const kelly_table *table, const kelly_case *run, const kelly_draw *draw)
+{
+    real w2[KELLY_MODES_MAX], b[KELLY_MODES_MAX], largest = R(1e3);
+
+    if (!kelly_axial_modes_at(table, draw->fc, run->axial, w2, b)) {
+        return 0;
+    }
+    for (unsigned j = 1; j < run->axial; j++) {
+        const real damped = KELLY_REAL_AXIS / (table->alpha + table->beta * w2[j]);
+        const real swinging = KELLY_IMAGINARY_AXIS * R(0.999999) / (real)kelly_sqrt32((float)w2[j]);
+
+        largest = damped < largest ? damped : largest;
+        largest = swinging < largest ? swinging : largest;
+    }
+    return largest;
+}
+
+kelly_status kelly_axial_start(kelly_axial *axial, const kelly_table *table, const kelly_case *run, const kelly_draw *draw)
 {
     if (!kelly_axial_modes_at(table, draw->fc, run->axial, axial->w2, axial->b)) {
-        return 0;
+        return KELLY_RANGE;
+    }
+    if (kelly_step_seconds(run) > kelly_axial_largest_step(table, run, draw)) {
+        return KELLY_STEP;
     }
     axial->count = run->axial;
     axial->h = kelly_step_seconds(run);
@@ -16,7 +36,7 @@ int kelly_axial_start(kelly_axial *axial, const kelly_table *table, const kelly_
         axial->p[j] = 0;
         axial->v[j] = 0;
     }
-    return 1;
+    return KELLY_OK;
 }
 
 /* Force f_a [N] at a phase of the top. */

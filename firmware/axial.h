@@ -20,8 +20,12 @@ typedef struct {
     real v[KELLY_MODES_MAX];     /* its speed [kg^1/2 m/s] */
 } kelly_axial;
 
-/* From u = u_S at zero speed. Returns 0 where fc is outside the fit. */
-int kelly_axial_start(kelly_axial *axial, const kelly_table *table, const kelly_case *run, const kelly_draw *draw);
+/* From u = u_S at zero speed. KELLY_OK, KELLY_RANGE where fc is outside the fit, KELLY_STEP where RK4 would not be stable
+ * for the modes asked for (the same two bounds as kelly_realise). */
+kelly_status kelly_axial_start(kelly_axial *axial, const kelly_table *table, const kelly_case *run, const kelly_draw *draw);
+
+/* Largest step [s] that kelly_axial_start accepts; 0 where fc is outside the fit. */
+real kelly_axial_largest_step(const kelly_table *table, const kelly_case *run, const kelly_draw *draw);
 
 /* One RK4 step from tick `tick` to the next. */
 void kelly_axial_step(kelly_axial *axial, uint32_t tick);

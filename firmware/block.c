@@ -3,7 +3,8 @@
 
 #define F_OFFSET R(0.01)          /* constant part of f_a / f0, eq. (F) */
 #define QUARTER_TURN ((uint64_t)1 << 62)
-#define SANE R(1e12)              /* states beyond are not physical: xi and zeta reach some 1e7 */
+#define SANE R(1e30)              /* states, which grow as (d/b) / h^2, and finite in float with room for one more step */
+#define SANE_SPEED R(1e6)         /* [rad/s], of the bit */
 
 /* In float the terms be w^2 T1/24 of xi and be w^2 X/4 of y4 lie below half an ulp of what they are added to as long as
  * be w^2 < 24 * 2^-24; the paper's ten modes at 1 ms have 7e-7. Then they are left out. Never in double. */
@@ -185,18 +186,20 @@ real kelly_block_twist(const kelly_block *block, unsigned lane, const kelly_mode
     return twist;
 }
 
-static int sane(real x)
+static int within(real x, real limit)
 {
-    return x > -SANE && x < SANE;   /* false for a NaN */
+    return x > -limit && x < limit;   /* false for a NaN */
 }
 
 int kelly_block_sane(const kelly_block *block, unsigned lane)
 {
     const unsigned v = lane / KELLY_WIDTH, l = lane % KELLY_WIDTH;
-    int good = sane(LANE(block->lane[v].lowest, l)) && sane(LANE(block->lane[v].highest, l)) && sane(LANE(block->lane[v].y1, l));
+    const kelly_lane *const lane_now = &block->lane[v];
+    int good = within(LANE(lane_now->lowest, l), SANE_SPEED) && within(LANE(lane_now->highest, l), SANE_SPEED) &&
+               within(LANE(lane_now->y1, l), SANE_SPEED);
 
     for (unsigned i = 0; i < block->modes; i++) {
-        good = good && sane(LANE(block->mode[v][i].xi, l)) && sane(LANE(block->mode[v][i].zeta, l));
+        good = good && within(LANE(block->mode[v][i].xi, l), SANE) && within(LANE(block->mode[v][i].zeta, l), SANE);
     }
     return good;
 }

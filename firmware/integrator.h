@@ -60,7 +60,7 @@ typedef struct {
     real h, al, be;
     unsigned modes;              /* in use */
     unsigned vectors;            /* in use */
-    unsigned full;               /* nonzero: terms in w^2 are kept (see integrator.c) */
+    unsigned full;               /* nonzero: terms in w^2 are kept (see block.c) */
     uint32_t tick;
 } kelly_block;
 

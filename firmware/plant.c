@@ -14,7 +14,7 @@ kelly_status kelly_plant_start(kelly_plant *plant, const kelly_table *table, con
     plant->draw = *draw;
     kelly_block_clear(&plant->block, table, run, 1);
     kelly_block_load(&plant->block, 0, run, draw, &plant->modes);
-    return kelly_axial_start(&plant->axial, table, run, draw) ? KELLY_OK : KELLY_RANGE;
+    return kelly_axial_start(&plant->axial, table, run, draw);
 }
 
 void kelly_plant_advance(kelly_plant *plant, uint32_t ticks)

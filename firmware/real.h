@@ -17,6 +17,9 @@
 #ifdef __FAST_MATH__
 #error "kelly needs IEEE arithmetic: build without fast-math"
 #endif
+#if defined(__GCC_IEC_559) && __GCC_IEC_559 < 2 && !defined(__clang__)
+#error "kelly needs IEEE arithmetic: one of the flags relaxes it"
+#endif
 #if defined(__FLT_EVAL_METHOD__) && __FLT_EVAL_METHOD__ != 0
 #error "kelly needs FLT_EVAL_METHOD 0: on 32-bit x86 build with -msse2 -mfpmath=sse"
 #endif

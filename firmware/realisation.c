@@ -3,8 +3,7 @@
 #include "detmath.h"
 #include "random.h"
 
-#define REAL_AXIS R(2.785)       /* RK4 stability on the negative real axis: 2.78529 */
-#define IMAGINARY_AXIS R(2.8)    /* and on the imaginary axis: 2 sqrt 2 = 2.82843 */
+#define GRAIN (sizeof(real) > sizeof(float) ? R(1e-13) : R(1e-5))   /* least h w_1 that the digits of real carry */
 #define F_OFFSET R(0.01)         /* the constant part of f_a / f0, eq. (F) */
 
 static int positive(real x)
@@ -97,6 +96,11 @@ static void fastest(const kelly_table *table, const kelly_case *run, const kelly
     *w2 = top;
 }
 
+real kelly_smallest_step(const kelly_modes *modes)
+{
+    return GRAIN / (real)kelly_sqrt32((float)modes->w2[0]);
+}
+
 kelly_status kelly_realise(const kelly_table *table, const kelly_case *run, const kelly_draw *draw, kelly_modes *modes)
 {
     const real h = kelly_step_seconds(run);
@@ -106,7 +110,10 @@ kelly_status kelly_realise(const kelly_table *table, const kelly_case *run, cons
         return KELLY_RANGE;
     }
     fastest(table, run, draw, modes, &lambda, &w2);
-    return h * lambda <= REAL_AXIS && h * h * w2 <= IMAGINARY_AXIS * IMAGINARY_AXIS ? KELLY_OK : KELLY_STEP;
+    if (h * h * modes->w2[0] < GRAIN * GRAIN) {
+        return KELLY_STEP;
+    }
+    return h * lambda <= KELLY_REAL_AXIS && h * h * w2 <= KELLY_IMAGINARY_AXIS * KELLY_IMAGINARY_AXIS ? KELLY_OK : KELLY_STEP;
 }
 
 real kelly_largest_step(const kelly_table *table, const kelly_case *run, const kelly_draw *draw, const kelly_modes *modes)
@@ -114,8 +121,8 @@ real kelly_largest_step(const kelly_table *table, const kelly_case *run, const k
     real lambda, w2, on_real, on_imaginary;
 
     fastest(table, run, draw, modes, &lambda, &w2);
-    on_real = REAL_AXIS / lambda;
-    on_imaginary = IMAGINARY_AXIS * R(0.999999) * (real)kelly_sqrt32((float)(1 / w2));   /* a float's rounding below it */
+    on_real = KELLY_REAL_AXIS / lambda;
+    on_imaginary = KELLY_IMAGINARY_AXIS * R(0.999999) * (real)kelly_sqrt32((float)(1 / w2));   /* a float's rounding below it */
     return on_real < on_imaginary ? on_real : on_imaginary;
 }
 

@@ -19,12 +19,15 @@ typedef struct {
 /* Whether a realisation can be trusted, and why not. */
 typedef enum {
     KELLY_OK = 0,
-    KELLY_STEP = 1,              /* the step is too long for its fastest rate: not integrated */
+    KELLY_STEP = 1,              /* the step is too long for its fastest rate, or too short for its slowest mode: not integrated */
     KELLY_RANGE = 2,             /* fc outside the fit of the table: not integrated */
     KELLY_NONFINITE = 3          /* the state left all bounds: integrated, not counted */
 } kelly_status;
 
 #define KELLY_STATUSES 4
+
+#define KELLY_REAL_AXIS R(2.785)       /* RK4 is stable to h lambda = 2.78529 on the negative real axis */
+#define KELLY_IMAGINARY_AXIS R(2.8)    /* and to h w = 2 sqrt 2 = 2.82843 on the imaginary axis */
 
 /* Reason why this case cannot be run on this table, or 0. */
 const char *kelly_case_error(const kelly_table *table, const kelly_case *run);
@@ -39,6 +42,10 @@ void kelly_draw_nominal(const kelly_case *run, kelly_draw *draw);
  * RK4 is stable on the negative real axis to h lambda = 2.785 and on the imaginary axis to h w = 2.8 (2 sqrt 2);
  * lambda <= mu |f|max (1 + a1) sum b_i^2 + max beta w_i^2 with |f|max = fc + f0. */
 kelly_status kelly_realise(const kelly_table *table, const kelly_case *run, const kelly_draw *draw, kelly_modes *modes);
+
+/* Smallest step [s] that kelly_realise accepts for these modes: below it the slowest mode moves by less than some tens of
+ * rounding errors a step (h w_1 = 1e-5 in float), and its motion would drown in them. */
+real kelly_smallest_step(const kelly_modes *modes);
 
 /* Largest step [s] that kelly_realise accepts for these modes. */
 real kelly_largest_step(const kelly_table *table, const kelly_case *run, const kelly_draw *draw, const kelly_modes *modes);

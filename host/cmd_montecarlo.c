@@ -177,6 +177,11 @@ static void warn(const outcome *out)
     }
     kelly_draw_nominal(&out->opts->run, &nominal);
     if (t->status[KELLY_STEP] > t->samples / 100 && kelly_realise(&kelly_string, &out->opts->run, &nominal, &modes) != KELLY_RANGE) {
+        if (case_seconds(&out->opts->run, 1) < (double)kelly_smallest_step(&modes)) {
+            printf("warning: the step is too short for this precision, whose rounding would drown the slowest mode; give at least %.6g s\n",
+                   (double)kelly_smallest_step(&modes));
+            return;
+        }
         printf("warning: the step is too long for %u of %u; the nominal case allows %.6f s, its tails about a third of that\n", t->status[KELLY_STEP],
                t->samples, (double)kelly_largest_step(&kelly_string, &out->opts->run, &nominal, &modes));
     }

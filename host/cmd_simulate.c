@@ -16,12 +16,19 @@ static void write_line(FILE *to, double time, const kelly_sight *s)
 
 static void refuse(const kelly_plant *plant, const options *opts, const kelly_draw *draw, kelly_status status)
 {
+    const double step = case_seconds(&opts->run, 1);
+
     if (status == KELLY_RANGE) {
         die(EXIT_USAGE, "--wob %.6g kN: outside the fitted range of the table; give %.6g..%.6g kN", (double)draw->fc / 1000.0,
             (double)kelly_string.fc_min / 1000.0, (double)kelly_string.fc_max / 1000.0);
     }
-    die(EXIT_USAGE, "--step %.6g: too long for this case; the largest safe step is %.6f s", case_seconds(&opts->run, 1),
-        floor(1e6 * (double)kelly_largest_step(&kelly_string, &opts->run, draw, &plant->modes)) / 1e6);
+    if (step < (double)kelly_smallest_step(&plant->modes)) {
+        die(EXIT_USAGE, "--step %.6g: too short for %s, whose rounding would drown the slowest mode; give at least %.6g s%s", step,
+            sizeof(real) > 4 ? "double" : "float", (double)kelly_smallest_step(&plant->modes), sizeof(real) > 4 ? "" : ", or build with REAL=double");
+    }
+    die(EXIT_USAGE, "--step %.6g: too long for this case; the largest safe step is %.6f s", step,
+        floor(1e6 * fmin((double)kelly_largest_step(&kelly_string, &opts->run, draw, &plant->modes),
+                         (double)kelly_axial_largest_step(&kelly_string, &opts->run, draw))) / 1e6);
 }
 
 /* Lowest, highest and mean bit speed over the window [rad/s]. */
@@ -127,7 +134,7 @@ int command_simulate(int argc, char **argv)
     fputs("time_s,bit_speed_rpm,bit_torque_kNm,wob_kN,bit_axial_speed_m_s,surface_torque_kNm,top_speed_rpm\n", file.stream);
     field_open(&field, opts.field, &opts, &draw);
     run_to(file.stream, &field, &plant, &opts, &window);
-    if (!kelly_block_sane(&plant.block, 0)) {
+    if (!kelly_block_sane(&plant.block, 0) || !isfinite(kelly_axial_speed(&plant.axial))) {
         die(EXIT_FAILED, "simulate: the state left all bounds; no result");
     }
     outfile_close(&file);

@@ -83,8 +83,10 @@ static int special(const char *path)
 
 void outfile_open(outfile *file, const char *path)
 {
+    const mode_t mask = umask(0);
     int fd;
 
+    umask(mask);
     *file = (outfile){ 0 };
     if (strcmp(path, "-") == 0 || special(path)) {
         file->stream = strcmp(path, "-") == 0 ? stdout : fopen(path, "w");
@@ -93,7 +95,11 @@ void outfile_open(outfile *file, const char *path)
         }
         return;
     }
-    file->path = strdup(path);
+    file->path = realpath(path, 0);          /* a link stays a link, its target is replaced */
+    if (!file->path) {
+        file->path = strdup(path);
+    }
+    path = file->path ? file->path : path;
     file->temporary = malloc(strlen(path) + 16);
     if (!file->path || !file->temporary) {
         die(EXIT_FAILED, "%s: out of memory", path);
@@ -109,7 +115,7 @@ void outfile_open(outfile *file, const char *path)
     if (!file->stream) {
         die(EXIT_FAILED, "%s: cannot write here: %s", path, strerror(errno));
     }
-    (void)fchmod(fd, 0644);
+    (void)fchmod(fd, 0666 & ~mask);
 }
 
 void outfile_close(outfile *file)

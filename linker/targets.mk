@@ -45,7 +45,8 @@ WERROR ?= -Werror
 TARGET_NO_MOVE := $(shell echo 'int x;' | $(TARGET_CC) -fno-move-loop-stores -x c -S -o /dev/null - 2>/dev/null && \
                           echo -fno-move-loop-stores)
 # Last on every line, so that nothing overrides them: the arithmetic is what makes the bits equal.
-TARGET_FIXED := -std=c11 -ffreestanding -ffp-contract=off -fno-math-errno -fno-tree-vectorize $(TARGET_NO_MOVE)
+TARGET_FIXED := -std=c11 -ffreestanding -ffp-contract=off -fno-math-errno -fno-associative-math -fno-reciprocal-math \
+                -fsigned-zeros -fno-tree-vectorize $(TARGET_NO_MOVE)
 TARGET_DEFINES := -Ifirmware/tables $(if $(filter double,$(REAL)),-DKELLY_DOUBLE) -DBOARD_NAME='"$(TARGET)"' -DBOARD_COUNT_HZ=$(COUNT_HZ)u \
                   -DBOARD_ICOUNT_SHIFT=$(ICOUNT_SHIFT) $(if $(CPU_HZ),-DBOARD_CPU_HZ=$(CPU_HZ)u)
 TARGET_FLAGS := $(ARCH) $(OPT) -g -ffunction-sections -fdata-sections -fno-common -fcallgraph-info=su $(WARN) $(WERROR) \
@@ -88,9 +89,9 @@ endef
 -include $(patsubst %.o,%.d,$(TARGET_KERNEL_OBJECTS) $(TARGET_BOARD_OBJECTS))
 
 %.bin: %.elf
-	$(CROSS)objcopy -O binary $< $@
+	@$(CROSS)objcopy -O binary $< $@
 %.hex: %.elf
-	$(CROSS)objcopy -O ihex $< $@
+	@$(CROSS)objcopy -O ihex $< $@
 
 # The board alone.
 FAULTS := $(wildcard tests/faults/*.c)

@@ -62,6 +62,11 @@ def claims(folder):
     yield done.returncode != 0 and "without spaces" in done.stderr, "a path with a space is refused"
     done = make("CFLAGS=-O2 -ffast-math", "WELL=" + second)
     yield done.returncode != 0 and "IEEE" in done.stderr, "fast-math is refused"
+    reference = make("digest", "CFLAGS=-O1", "dir=build/" + NAME).stdout
+    relaxed = make("digest", "CFLAGS=-O1 -fassociative-math -freciprocal-math -fno-signed-zeros -fno-trapping-math", "dir=build/" + NAME).stdout
+    yield reference.startswith("digest ") and relaxed == reference, f"parts of it are overridden: {relaxed} {reference}"
+    for word in ("SEED=-1", "FIRST=4294967296"):
+        yield make("digest", word, "dir=build/" + NAME).returncode != 0, f"digest {word} fails"
 
 
 def main():
@@ -72,6 +77,7 @@ def main():
             if not holds:
                 print("FAIL " + what)
     shutil.rmtree(os.path.dirname(PROGRAM), ignore_errors=True)
+    shutil.rmtree(os.path.join(ROOT, "build", NAME), ignore_errors=True)
     print(f"{passed} passed, {failed} failed")
     return failed != 0
 

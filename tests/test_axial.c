@@ -48,7 +48,7 @@ static void follows_the_solution(real w0, unsigned count, wide within)
     run.axial = (uint8_t)count;
     kelly_draw_nominal(&run, &draw);
     draw.w0 = w0;
-    CHECK(kelly_axial_start(axial, &kelly_string, &run, &draw));
+    CHECK(kelly_axial_start(axial, &kelly_string, &run, &draw) == KELLY_OK);
     CHECK(kelly_axial_speed(axial) == 0);
     for (uint32_t tick = 0; tick < ticks; tick++) {
         kelly_axial_step(axial, tick);
@@ -67,7 +67,7 @@ static void refuses_other_weights(void)
     fixture_case(&run, 10);
     kelly_draw_nominal(&run, &draw);
     draw.fc = R(2e6);
-    CHECK(!kelly_axial_start(&fixture.plant.axial, &kelly_string, &run, &draw));
+    CHECK(kelly_axial_start(&fixture.plant.axial, &kelly_string, &run, &draw) == KELLY_RANGE);
 }
 
 static void no_force_no_motion(void)
@@ -75,7 +75,7 @@ static void no_force_no_motion(void)
     fixture_case(&run, 10);
     run.f0 = 0;
     kelly_draw_nominal(&run, &draw);
-    CHECK(kelly_axial_start(&fixture.plant.axial, &kelly_string, &run, &draw));
+    CHECK(kelly_axial_start(&fixture.plant.axial, &kelly_string, &run, &draw) == KELLY_OK);
     for (uint32_t tick = 0; tick < 10; tick++) {
         kelly_axial_step(&fixture.plant.axial, tick);
     }

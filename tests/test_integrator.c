@@ -243,7 +243,7 @@ static void knows_the_insane(void)
 {
     kelly_block *const block = &fixture.pair[0];
     const volatile real zero = R(0.0), one = R(1.0);
-    const real bad[] = { zero / zero, one / zero, -one / zero, R(1e13), R(-1e13) };
+    const real bad[] = { zero / zero, one / zero, -one / zero, R(1e31), R(-1e31) };
     real *const place[] = { &block->lane[0].y1, &block->lane[0].lowest, &block->lane[0].highest, &block->mode[0][0].xi,
                             &block->mode[0][0].zeta, &block->mode[0][9].xi, &block->mode[0][9].zeta };
     int caught = 1;
@@ -265,6 +265,19 @@ static void knows_the_insane(void)
 }
 
 /* A block nobody was loaded into stands still. */
+/* What is only large is not insane: at a step of 10 us the scaled states reach 1e14. */
+static void keeps_short_steps(void)
+{
+    kelly_block *const block = &fixture.pair[0];
+
+    fixture_case(&run, 100);
+    run.step_ns = 10000;
+    load(block, &kelly_string);
+    kelly_block_advance(block, 100);
+    CHECK(KELLY_ABS(LANE(block->mode[0][0].zeta, 0)) > R(1e12));
+    CHECK(kelly_block_sane(block, 0));
+}
+
 static void idles_when_empty(void)
 {
     kelly_block *const block = &fixture.pair[0];
@@ -291,5 +304,6 @@ void test_integrator(void)
     watches_extremes();
     twist_gives_the_mean();
     knows_the_insane();
+    keeps_short_steps();
     idles_when_empty();
 }

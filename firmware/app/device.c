@@ -3,7 +3,7 @@
  * Asks for one line over the UART (line.h) and runs what it says; an empty line runs the well file's case:
  *   seed=1 first=0 samples=4     realisations first .. first + samples - 1 of seed
  *   mu_e6=40000                  bit-rock factor in millionths
- *   seconds=100 from=50          duration and start of the window, which lasts to the end
+ *   seconds=100 from=50          duration and start of the window, which lasts to the end (without: the well file's)
  *   digest=1                     the case of `make digest`: mu 0.04, every law at 0.2
  *   count=1                      instructions a step, exact in an emulator (board.h), and nothing else
  * Prints each realisation, P with its interval, the stack's high-water mark and the digest, which is that of
@@ -96,22 +96,31 @@ static void say_case(const kelly_case *run)
     say_value(", alpha1 ", (wide)run->a1, 3);
     say_value(", alpha2 ", (wide)run->a2, 3);
     board_text(run->rotating ? ", start rotating, window " : ", start rest, window ");
-    say_number("", run->window_first / (1000000000u / run->step_ns));
-    say_number(":", run->window_last / (1000000000u / run->step_ns));
+    say_value("", (wide)run->window_first * ((wide)kelly_step_seconds(run)), 3);
+    say_value(":", (wide)run->window_last * ((wide)kelly_step_seconds(run)), 3);
     board_text(" s\n");
+}
+
+/* Steps of whole seconds; 0, which no case may have, where they are not whole or too many. */
+static uint32_t ticks_of(uint64_t seconds, const kelly_case *run)
+{
+    const uint64_t ns = seconds * 1000000000u;
+
+    return seconds < 4000000u && ns % run->step_ns == 0 && ns / run->step_ns <= UINT32_MAX ? (uint32_t)(ns / run->step_ns) : 0u;
 }
 
 /* The case that the line asks for, on the step of the table. */
 static kelly_case asked_case(const char *line)
 {
     kelly_case run = kelly_string.nominal;
-    const uint32_t ticks_a_second = 1000000000u / run.step_ns;
-    const uint32_t seconds = (uint32_t)line_number(line, "seconds", run.ticks / ticks_a_second);
+    const uint64_t seconds = line_number(line, "seconds", 0);
     const uint32_t mu_e6 = (uint32_t)line_number(line, "mu_e6", 0);
 
-    run.ticks = seconds * ticks_a_second;
-    run.window_first = (uint32_t)line_number(line, "from", seconds / 2u) * ticks_a_second;
-    run.window_last = run.ticks;
+    if (seconds > 0) {
+        run.ticks = ticks_of(seconds, &run);
+        run.window_first = ticks_of(line_number(line, "from", seconds / 2u), &run);
+        run.window_last = run.ticks;
+    }
     if (line_number(line, "digest", 0) != 0) {
         run.mu = R(0.04);
         for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
@@ -173,6 +182,11 @@ int main(void)
     if (line_ask(line) < 0) {
         board_text("no answer: the well file's case\n");
     }
+    if (error) {   /* before any other field of the table is read */
+        board_text(error);
+        board_text("\n");
+        return 1;
+    }
     stranger = line_stranger(line, keys, (int)(sizeof(keys) / sizeof(keys[0])));
     if (stranger) {
         board_text("not understood: ");
@@ -181,7 +195,10 @@ int main(void)
         return 2;
     }
     run = asked_case(line);
-    error = error ? error : kelly_case_error(&kelly_string, &run);
+    error = kelly_case_error(&kelly_string, &run);
+    if (!error && line_number(line, "first", 0) + line_number(line, "samples", 4) > (uint64_t)UINT32_MAX + 1u) {
+        error = "indices end at 4294967295";
+    }
     if (error) {
         board_text(error);
         board_text("\n");

@@ -54,14 +54,20 @@ uint64_t line_number(const char line[LINE_MAX], const char *key, uint64_t otherw
 /* The length of a word that is `key=digits`, 0 where it is not. */
 static int known_word(const char *word, const char *key)
 {
+    uint64_t value = 0;
     int i = 0, digits = 0;
 
     while (key[i] != '\0' && word[i] == key[i])
         i++;
     if (key[i] != '\0' || word[i] != '=')
         return 0;
-    for (i++; word[i] >= '0' && word[i] <= '9'; i++)
-        digits++;
+    for (i++; word[i] >= '0' && word[i] <= '9'; i++, digits++) {
+        const uint64_t digit = (uint64_t)(word[i] - '0');
+
+        if (value > (UINT64_MAX - digit) / 10u)   /* 2^64 or more */
+            return 0;
+        value = 10u * value + digit;
+    }
     return digits > 0 && (word[i] == ' ' || word[i] == '\0') ? i : 0;
 }
 

@@ -19,7 +19,7 @@ int line_ask(char line[LINE_MAX]);
 /* The number after `key=`, decimal, modulo 2^64; `otherwise` where the key is not in the line. */
 uint64_t line_number(const char line[LINE_MAX], const char *key, uint64_t otherwise);
 
-/* The first word of the line that is not `key=digits` with a key of this list, 0-terminated; 0 where all are. */
+/* The first word of the line that is not `key=number` with a key of this list and a number below 2^64, 0-terminated; 0 where all are. */
 const char *line_stranger(const char line[LINE_MAX], const char *const keys[], int count);
 
 #endif
