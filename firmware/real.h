@@ -17,7 +17,7 @@
 #ifdef __FAST_MATH__
 #error "kelly needs IEEE arithmetic: build without fast-math"
 #endif
-#if defined(__GCC_IEC_559) && __GCC_IEC_559 < 2 && !defined(__clang__)
+#if defined(__x86_64__) && defined(__GCC_IEC_559) && __GCC_IEC_559 < 2 && !defined(__clang__)   /* 0 for soft float as well */
 #error "kelly needs IEEE arithmetic: one of the flags relaxes it"
 #endif
 #if defined(__FLT_EVAL_METHOD__) && __FLT_EVAL_METHOD__ != 0

@@ -119,8 +119,8 @@ endef
 $(foreach t,$(TARGET_TESTS),$(eval $(call one_test,$(basename $(notdir $(t))))))
 one-tests: $(patsubst tests/%.c,$(OUT)/%.elf,$(TARGET_TESTS))
 
-# Limits of tests/budgets.txt; IMAGES built before are checked too.
-budgets: $(TARGET_KERNEL_OBJECTS)
+# Limits of tests/budgets.txt.
+budgets: device hello $(TARGET_KERNEL_OBJECTS)
 	python3 tests/check_budgets.py --target $(TARGET) --real $(REAL) --out $(OUT) $(TARGET_KERNEL_OBJECTS)
 
 # Prints the command; runs it when OpenOCD is installed and the probe is plugged in.

@@ -14,6 +14,10 @@ from check_budgets import Sizes
 from run_target import ROOT, command, counting, run, target_settings
 
 
+def targets():
+    return sorted(f[:-3] for f in os.listdir(os.path.join(ROOT, "linker")) if f.endswith(".mk") and f != "targets.mk")
+
+
 class Args:
     """What check_budgets.Sizes wants to know."""
 
@@ -48,8 +52,7 @@ def stacks(elf, settings):
 
 
 def main():
-    names = sorted(f[:-3] for f in os.listdir(os.path.join(ROOT, "linker")) if f.endswith(".mk") and f != "targets.mk")
-    jobs = [(t, r) for t in names for r in ("float", "double")]
+    jobs = [(t, r) for t in targets() for r in ("float", "double")]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         rows = list(pool.map(lambda job: measure(*job), jobs))
     lines = ["| board | real | kernel and table, flash | whole image | static RAM | stack: seen, worst case | instructions a step |", "|---|---|---|---|---|---|---|"]
