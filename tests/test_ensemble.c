@@ -131,6 +131,25 @@ static void keeps_neighbours_apart(void)
     }
 }
 
+/* Draws from outside give what the same draws gave from the streams; a draw of its own gives its own. */
+static void runs_given_draws(void)
+{
+    kelly_draw draws[3];
+
+    random_case(BY_LENGTH(60, 600));
+    run_into(results, 3, 11, 3);
+    for (unsigned j = 0; j < 3; j++) {
+        draws[j] = results[2 - j].draw;
+    }
+    kelly_run_draws(&kelly_string, &run, draws, 3, again, &fixture.ensemble.work);
+    for (unsigned j = 0; j < 3; j++) {
+        CHECK(fixture_same(&again[j], &results[2 - j]));
+    }
+    draws[0].mu = draws[0].mu * R(1.5);
+    kelly_run_draws(&kelly_string, &run, draws, 1, again, &fixture.ensemble.work);
+    CHECK(again[0].draw.mu == draws[0].mu && !fixture_same(&again[0], &results[2]));
+}
+
 static void marks_lift_off(void)
 {
     random_case(20);
@@ -159,5 +178,6 @@ void test_ensemble(void)
     classifies_what_it_ran();
     refuses_without_guessing();
     keeps_neighbours_apart();
+    runs_given_draws();
     marks_lift_off();
 }
