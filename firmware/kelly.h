@@ -11,6 +11,7 @@
  *   severity.h       what counts as stick-slip
  *   ensemble.h       draw, integrate, classify a range of indices
  *   tally.h          counts, digest, interval
+ *   sequence.h       an interval that holds at every n, and when to stop
  *   envelope.h       mean, spread and quantiles of a stream of values, in fixed memory
  *   plant.h          one string, everything that a bench reads                            (S)
  *
@@ -33,6 +34,7 @@
 #include "plant.h"
 #include "random.h"
 #include "realisation.h"
+#include "sequence.h"
 #include "severity.h"
 #include "string_model.h"
 #include "tally.h"

@@ -2,7 +2,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "host.h"
+#include "map.h"
 
 #define LISTED 100u              /* refused realisations that are named one by one in the JSON */
 #define SHOWN 12u                /* and on the terminal */
@@ -15,6 +15,7 @@ typedef struct {
     const options *opts;
     const kelly_engine *engine;
     kelly_tally tally;
+    uint32_t asked;              /* --samples */
     uint32_t stuck_ssi;          /* counted realisations whose SSI exceeds the limit */
     FILE *csv;
     uint32_t refused[LISTED];
@@ -22,6 +23,7 @@ typedef struct {
     double seconds;
     convergence_table convergence;
     envelope_request envelope;
+    until_request until;
 } outcome;
 
 static const kelly_engine *engine;   /* chosen once, before the threads start */
@@ -56,7 +58,7 @@ static void take_batch(void *context, uint32_t first, uint32_t count, const void
     outcome *const out = context;
     const kelly_result *const r = results;
 
-    for (uint32_t i = 0; i < count; i++) {
+    for (uint32_t i = 0; i < count && !out->until.enough; i++) {
         const uint32_t refused = kelly_refused(&out->tally);
 
         if (r[i].status != KELLY_OK && refused < LISTED) {
@@ -68,6 +70,7 @@ static void take_batch(void *context, uint32_t first, uint32_t count, const void
         if (out->csv) {
             write_result(out->csv, first + i, &r[i]);
         }
+        (void)until_look(&out->until, &out->tally);
     }
 }
 
@@ -141,6 +144,7 @@ static void write_json(FILE *to, const outcome *out, double lo, double hi)
     fprintf(to, "  \"seed\": %llu,\n  \"first\": %u,\n  \"digest\": \"%08x\",\n  \"real\": \"%s\",\n  \"model\": \"%s\",\n",
             (unsigned long long)out->opts->seed, out->opts->first, t->digest, sizeof(real) > 4 ? "double" : "float", kelly_string.id);
     write_refused(to, out);
+    until_write(to, &out->until, out->asked);
     if (out->opts->convergence) {
         write_convergence(to, &out->convergence);
     }
@@ -205,6 +209,7 @@ static void print_outcome(const outcome *out, double lo, double hi)
     printf("refused %u (step %u, range %u, nonfinite %u), lift-off %u, seed %llu, first %u, digest %08x, %s, %s, %.2f s\n", kelly_refused(t),
            t->status[KELLY_STEP], t->status[KELLY_RANGE], t->status[KELLY_NONFINITE], t->liftoff, (unsigned long long)out->opts->seed,
            out->opts->first, t->digest, sizeof(real) > 4 ? "double" : "float", out->engine->name, out->seconds);
+    until_print(&out->until, t->samples);
     warn(out);
     for (uint32_t i = 0; i < listed(out) && i < SHOWN; i++) {
         printf("%s%u (%s)", i ? ", " : "refused: ", out->refused[i], status_names[out->why[i]]);
@@ -234,12 +239,30 @@ const command_help montecarlo_help = {
     .synopsis = "[case] [--samples N] [--cov D] [--seed S] [--json F] [--csv F] ...",
     .takes = TAKES_CASE | TAKES_ENSEMBLE | TAKES_JSON,
     .own = envelope_options,
+    .also = until_options,
     .notes = "CSV: index,fc_kN,mu,alpha1,alpha2,rpm,bit_min_rpm,bit_max_rpm,bit_mean_rpm,ss,stuck,status,liftoff.\n"
              "ss = (max - min)/(max + min) of the bit speed over the window decides (10 where max + min <= 0);\n"
              "SSI = (max - min)/(2 mean), the index of rig displays, is reported beside it (JSON: ssi).\n"
              "A realisation that cannot be trusted has a status (step, range, nonfinite) and is never counted.",
     .example = "kelly montecarlo --mu 0.004 --samples 4000 --json run.json --csv runs.csv",
 };
+
+static int own_option(void *context, const char *name, const char *value)
+{
+    outcome *const out = context;
+
+    return until_option(&out->until, name, value) || envelope_option(&out->envelope, name, value);
+}
+
+/* What is looked at as one goes has an interval of its own kind. */
+static void interval(const outcome *out, double *lo, double *hi)
+{
+    kelly_interval(&out->tally, lo, hi);
+    if (out->until.rule.alpha > 0) {
+        *lo = (double)out->until.lo;
+        *hi = (double)out->until.hi;
+    }
+}
 
 int command_montecarlo(int argc, char **argv)
 {
@@ -250,10 +273,14 @@ int command_montecarlo(int argc, char **argv)
     const double start = now();
     const char *const header = "index,fc_kN,mu,alpha1,alpha2,rpm,bit_min_rpm,bit_max_rpm,bit_mean_rpm,ss,stuck,status,liftoff\n";
 
-    options_parse(&opts, argc, argv, TAKES_CASE | TAKES_ENSEMBLE | TAKES_JSON, "montecarlo", envelope_option, &out.envelope);
+    options_parse(&opts, argc, argv, TAKES_CASE | TAKES_ENSEMBLE | TAKES_JSON, "montecarlo", own_option, &out);
+    if (out.until.rule.alpha > 0 && !has_option(argc, argv, "--samples")) {
+        opts.samples = UNTIL_MOST < UINT32_MAX - opts.first ? UNTIL_MOST : UINT32_MAX - opts.first;
+    }
     envelope_reserve(&out.envelope, &opts);
     engine = engine_choose(opts.engine);
     out.opts = &opts;
+    out.asked = opts.samples;
     out.engine = engine;
     if (opts.csv) {
         outfile_open(&csv, opts.csv);
@@ -264,13 +291,15 @@ int command_montecarlo(int argc, char **argv)
         outfile_open(&json, opts.json);
     }
     run_job(&opts, &(job){ .work = work_piece, .work_size = engine->work_size, .result_size = sizeof(kelly_result),
-                           .width = engine->width, .lanes = engine_lanes(engine, &opts.run) }, take_batch, &out);
+                           .width = engine->width, .lanes = engine_lanes(engine, &opts.run),
+                           .enough = out.until.rule.alpha > 0 ? &out.until.enough : 0 }, take_batch, &out);
+    opts.samples = out.tally.samples;   /* of a run that stopped itself, all that follows is about these */
     if (opts.convergence) {
         convergence_run(&opts, &out.convergence);
     }
     envelope_run(&out.envelope, &opts);
     out.seconds = now() - start;
-    kelly_interval(&out.tally, &lo, &hi);
+    interval(&out, &lo, &hi);
     if (opts.json) {
         write_json(json.stream, &out, lo, hi);
         outfile_close(&json);

@@ -98,6 +98,9 @@ void help_walk(const subcommand *c, option_visit visit, void *context)
     if (c->help->own) {
         walk_one(&(option_group){ "Its own", 0, c->help->own }, 0, visit, context);
     }
+    if (c->help->also) {
+        walk_one(&(option_group){ "And", 0, c->help->also }, 0, visit, context);
+    }
     for (unsigned g = 0; g < sizeof(groups) / sizeof(groups[0]); g++) {
         if (c->help->takes & groups[g].takes) {
             walk_one(&groups[g], c->help->without, visit, context);

@@ -67,6 +67,7 @@ typedef struct {
     unsigned takes;               /* the shared options, as in options_parse */
     const char *without;          /* the one of them that it refuses, or 0 */
     const option_help *own;       /* those of its `more_options`, or 0 */
+    const option_help *also;      /* more of them, or 0 */
     const char *notes;            /* what else must be known, or 0 */
     const char *example;
 } command_help;
@@ -162,10 +163,30 @@ typedef struct {
     size_t work_size;             /* scratch of one thread [bytes] */
     size_t result_size;           /* of one realisation [bytes] */
     unsigned width, lanes;        /* pieces are whole vectors of `width`, at most `lanes` realisations */
+    const int *enough;            /* or 0: once the sink has set it, no further batch is begun; batches are short then */
 } job;
 
 /* Run all realisations of opts over its threads; results reach the sink in index order. Memory does not grow with samples. */
 void run_job(const options *opts, const job *what, batch_sink sink, void *context);
+
+/* --until-width and --until-decided: where to stop before all samples are run; see until.c. Start from zeros. */
+typedef struct {
+    kelly_stop_rule rule;         /* alpha 0: not asked for */
+    double width, level;          /* as they were asked for */
+    float lo, hi;                 /* the interval where it stopped */
+    int enough;                   /* kelly_stop, of the last look */
+} until_request;
+
+#define UNTIL_MOST 1000000u       /* realisations where --samples does not say */
+extern const option_help until_options[];
+int until_option(void *request, const char *name, const char *value);              /* a more_options */
+
+/* Look after one more realisation: 1 where it was the last one that counts. Never where nothing was asked for. */
+int until_look(until_request *ask, const kelly_tally *tally);
+
+/* `"sequence": {...},` of the JSON; one line of the summary. Nothing where nothing was asked for. */
+void until_write(FILE *to, const until_request *ask, uint32_t most);
+void until_print(const until_request *ask, uint32_t n);
 
 /* ---- subcommands --------------------------------------------------------------------------------------------- */
 

@@ -119,6 +119,16 @@ static void run_batch(batch *b, unsigned threads, pthread_t *ids, uint32_t befor
     }
 }
 
+/* Realisations of the next batch. Where the run may end at any of them, a block a thread at first, then an eighth of what is
+ * done, so that what has to be thrown away stays small. */
+static uint32_t batch_count(const job *what, unsigned threads, uint32_t done, uint32_t most)
+{
+    const uint32_t least = threads * what->lanes;
+    const uint32_t few = done / 8 > least ? done / 8 / least * least : least;
+
+    return what->enough && few < most ? few : most;
+}
+
 void run_job(const options *opts, const job *what, batch_sink sink, void *context)
 {
     const unsigned threads = opts->threads ? opts->threads : processors();
@@ -131,9 +141,11 @@ void run_job(const options *opts, const job *what, batch_sink sink, void *contex
     if (!b.results || !ids) {
         die(EXIT_FAILED, "out of memory");
     }
-    for (uint32_t done = 0; done < opts->samples; done += b.count) {
+    for (uint32_t done = 0; done < opts->samples && !(what->enough && *what->enough); done += b.count) {
+        const uint32_t next = batch_count(what, threads, done, most);
+
         b.first = opts->first + done;
-        b.count = opts->samples - done < most ? opts->samples - done : most;
+        b.count = opts->samples - done < next ? opts->samples - done : next;
         run_batch(&b, threads, ids, done, start);
         sink(context, b.first, b.count, b.results);
     }
