@@ -13,6 +13,7 @@
  *   tally.h          counts, digest, interval
  *   sequence.h       an interval that holds at every n, and when to stop
  *   envelope.h       mean, spread and quantiles of a stream of values, in fixed memory
+ *   sobol.h          which parameter the answer depends on
  *   plant.h          one string, everything that a bench reads                            (S)
  *
  * Units    SI, angles in rad. Angular speed of the bit and the top positive while drilling; f_bit and T_bit negative.
@@ -36,6 +37,7 @@
 #include "realisation.h"
 #include "sequence.h"
 #include "severity.h"
+#include "sobol.h"
 #include "string_model.h"
 #include "tally.h"
 

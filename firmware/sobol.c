@@ -1,0 +1,170 @@
+#include "sobol.h"
+
+#include "random.h"
+
+#define T_31 W(2.039513446396408)   /* Student's t, 97.5 %, 31 degrees of freedom */
+
+/* Square root by Newton's method from above: no float is enough where wide is double. x >= 0; 1e-13 or the last places of it. */
+static wide root(wide x)
+{
+    wide r = x > 1 ? x : 1;
+
+    for (int i = 0; i < 60 && x > 0; i++) {
+        r = W(0.5) * (r + x / r);
+    }
+    return x > 0 ? r : 0;
+}
+
+unsigned kelly_sobol_random(const kelly_case *run, unsigned which[KELLY_PARAMETERS])
+{
+    unsigned n = 0;
+
+    for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
+        if (run->cov[k] > 0.0f) {
+            which[n++] = k;
+        }
+    }
+    return n;
+}
+
+static void take(kelly_draw *to, const kelly_draw *from, unsigned parameter)
+{
+    switch (parameter) {
+    case 0: to->fc = from->fc; break;
+    case 1: to->mu = from->mu; break;
+    case 2: to->a1 = from->a1; break;
+    case 3: to->a2 = from->a2; break;
+    default: to->w0 = from->w0; break;
+    }
+}
+
+unsigned kelly_sobol_row(const kelly_case *run, uint64_t seed, uint32_t index, kelly_draw draws[KELLY_SOBOL_ROW])
+{
+    uint64_t other = seed;
+    unsigned which[KELLY_PARAMETERS];
+    const unsigned n = kelly_sobol_random(run, which);
+
+    kelly_draw_sample(run, seed, index, &draws[0]);
+    kelly_draw_sample(run, kelly_splitmix64(&other), index, &draws[1]);
+    for (unsigned i = 0; i < n; i++) {
+        draws[2 + i] = draws[0];
+        take(&draws[2 + i], &draws[1], which[i]);
+    }
+    return 2 + n;
+}
+
+void kelly_sobol_clear(kelly_sobol *sobol, unsigned parameters)
+{
+    *sobol = (kelly_sobol){ .parameters = parameters };
+}
+
+void kelly_sobol_add(kelly_sobol *sobol, const wide f[])
+{
+    kelly_sobol_sums *const g = &sobol->group[sobol->rows % KELLY_SOBOL_GROUPS];
+
+    if (sobol->rows == 0) {
+        sobol->origin = f[0];
+    }
+    const wide a = f[0] - sobol->origin, b = f[1] - sobol->origin;
+    sobol->rows++;
+    g->n++;
+    g->ab += a + b;
+    g->aabb += a * a + b * b;
+    for (unsigned i = 0; i < sobol->parameters; i++) {
+        const wide d = f[2 + i] - f[0];
+
+        g->d[i] += d;
+        g->bd[i] += b * d;
+        g->dd[i] += d * d;
+    }
+}
+
+/* Sums over all groups but one (KELLY_SOBOL_GROUPS: over all), of one parameter in place 0. */
+static void total_sums(const kelly_sobol *sobol, unsigned without, unsigned parameter, kelly_sobol_sums *sum)
+{
+    *sum = (kelly_sobol_sums){ .n = 0 };
+    for (unsigned k = 0; k < KELLY_SOBOL_GROUPS; k++) {
+        const kelly_sobol_sums *const g = &sobol->group[k];
+
+        if (k == without) {
+            continue;
+        }
+        sum->n += g->n;
+        sum->ab += g->ab;
+        sum->aabb += g->aabb;
+        sum->d[0] += g->d[parameter];
+        sum->bd[0] += g->bd[parameter];
+        sum->dd[0] += g->dd[parameter];
+    }
+}
+
+static wide variance(const kelly_sobol_sums *sum)
+{
+    const wide n = 2 * (wide)sum->n, mean = sum->ab / n, v = sum->aabb / n - mean * mean;
+
+    return v > 0 ? v : 0;
+}
+
+/* Both indices from sums; 0 where f does not vary. */
+static int indices(const kelly_sobol_sums *sum, wide *first, wide *total)
+{
+    const wide n = (wide)sum->n, v = variance(sum), mean = sum->ab / (2 * n);
+
+    if (!(v > 0)) {
+        return 0;
+    }
+    *first = (sum->bd[0] - mean * sum->d[0]) / (n * v);
+    *total = sum->dd[0] / (2 * n * v);
+    return 1;
+}
+
+wide kelly_sobol_mean(const kelly_sobol *sobol)
+{
+    kelly_sobol_sums sum;
+
+    total_sums(sobol, KELLY_SOBOL_GROUPS, 0, &sum);
+    return sum.n > 0 ? sobol->origin + sum.ab / (2 * (wide)sum.n) : 0;
+}
+
+wide kelly_sobol_variance(const kelly_sobol *sobol)
+{
+    kelly_sobol_sums sum;
+
+    total_sums(sobol, KELLY_SOBOL_GROUPS, 0, &sum);
+    return sum.n > 0 ? variance(&sum) : 0;
+}
+
+static void widen(kelly_estimate *e, wide squares)
+{
+    const wide half = T_31 * root(squares * (KELLY_SOBOL_GROUPS - 1) / KELLY_SOBOL_GROUPS);
+
+    e->lo = e->value - half;
+    e->hi = e->value + half;
+}
+
+/* Variance of the jackknife: (G - 1) / G times the squares of what leaving a group out changes, about their mean. */
+int kelly_sobol_read(const kelly_sobol *sobol, unsigned parameter, kelly_estimate *first, kelly_estimate *total)
+{
+    kelly_sobol_sums sum;
+    wide f, t, sf = 0, st = 0, sff = 0, stt = 0;
+
+    total_sums(sobol, KELLY_SOBOL_GROUPS, parameter, &sum);
+    if (sobol->rows < 2 * KELLY_SOBOL_GROUPS || !indices(&sum, &first->value, &total->value)) {
+        return 0;
+    }
+    for (unsigned k = 0; k < KELLY_SOBOL_GROUPS; k++) {
+        total_sums(sobol, k, parameter, &sum);
+        if (!indices(&sum, &f, &t)) {
+            return 0;
+        }
+        f -= first->value;
+        t -= total->value;
+        sf += f;
+        st += t;
+        sff += f * f;
+        stt += t * t;
+    }
+    widen(first, sff - sf * sf / KELLY_SOBOL_GROUPS);
+    widen(total, stt - st * st / KELLY_SOBOL_GROUPS);
+    return 1;
+}
