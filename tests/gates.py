@@ -25,6 +25,8 @@ GATES = {
     "map": ("test", 600, f"{PYTHON} tests/check_map.py"),
     "use": ("test", 600, f"{PYTHON} tests/check_use.py"),
     "generator": ("test", 300, f"{PYTHON} tests/check_gen.py"),
+    "sensitivity": ("test", 300, f"{PYTHON} tests/check_sensitivity.py"),
+    "what-if": ("test", 300, f"{PYTHON} tests/check_whatif.py"),
     "stopping": ("test", 300, f"{PYTHON} tests/check_until.py"),
     "well-files": ("test", 300, f"{PYTHON} tests/check_wells.py"),
     "unit-float": ("test", 300, "make -s unit && build/host/unit"),
