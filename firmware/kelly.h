@@ -14,6 +14,7 @@
  *   sequence.h       an interval that holds at every n, and when to stop
  *   envelope.h       mean, spread and quantiles of a stream of values, in fixed memory
  *   sobol.h          which parameter the answer depends on
+ *   reweight.h       the probability under other laws, from realisations that have been run
  *   plant.h          one string, everything that a bench reads                            (S)
  *
  * Units    SI, angles in rad. Angular speed of the bit and the top positive while drilling; f_bit and T_bit negative.
@@ -35,6 +36,7 @@
 #include "plant.h"
 #include "random.h"
 #include "realisation.h"
+#include "reweight.h"
 #include "sequence.h"
 #include "severity.h"
 #include "sobol.h"

@@ -49,6 +49,9 @@ void options_parse(options *out, int argc, char **argv, unsigned takes, const ch
 double option_number(const char *option, const char *text, double lo, double hi, const char *right);
 uint64_t option_whole(const char *option, const char *text, uint64_t lo, uint64_t hi, const char *right);
 
+/* A --cov: one number for all, or name=number,... (see law_names in options.c); those of parameters not named stay. */
+void option_covs(float cov[KELLY_PARAMETERS], const char *text);
+
 /* Seconds of a case from its ticks. */
 double case_seconds(const kelly_case *run, uint32_t ticks);
 
@@ -196,9 +199,10 @@ int command_montecarlo(int argc, char **argv);
 int command_map(int argc, char **argv);
 int command_advise(int argc, char **argv);
 int command_sensitivity(int argc, char **argv);
+int command_whatif(int argc, char **argv);
 int command_manual(int argc, char **argv);
 extern const command_help modes_help, simulate_help, montecarlo_help, map_help, advise_help, manual_help;
-extern const command_help sensitivity_help;
+extern const command_help sensitivity_help, whatif_help;
 
 /* The paper's convergence function over the realisations of opts: writes value[i] at checkpoint n[i]; see convergence.c. */
 #define CHECKPOINTS_MAX 40

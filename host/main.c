@@ -11,6 +11,7 @@ const subcommand commands[] = {
     { "map", command_map, &map_help },
     { "advise", command_advise, &advise_help },
     { "sensitivity", command_sensitivity, &sensitivity_help },
+    { "whatif", command_whatif, &whatif_help },
     { "manual", command_manual, &manual_help },
 };
 const unsigned command_count = sizeof(commands) / sizeof(commands[0]);

@@ -73,25 +73,24 @@ static unsigned law_index(const char *name, size_t length)
     die(EXIT_USAGE, "--cov %s: no such parameter; give --cov 0.2 or some of fc=,mu=,a1=,a2=,rpm=", name);
 }
 
-/* One number for all, or name=number,...: parameters that are not named are not random. */
-static void parse_cov(kelly_case *run, const char *text)
+/* One number for all, or name=number,...: those of parameters that are not named stay. */
+void option_covs(float cov[KELLY_PARAMETERS], const char *text)
 {
     static const char right[] = "0..0.5, one number or fc=..,mu=..,a1=..,a2=..,rpm=..";
     char copy[256], *rest = copy;
     unsigned seen = 0;
 
     if (!strchr(text, '=')) {
-        const float cov = (float)option_number("--cov", text, 0.0, 0.5, right);
+        const float all = (float)option_number("--cov", text, 0.0, 0.5, right);
 
         for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
-            run->cov[k] = cov;
+            cov[k] = all;
         }
         return;
     }
     if (strlen(text) >= sizeof(copy)) {
         die(EXIT_USAGE, "--cov %s: too long; give %s", text, right);
     }
-    memset(run->cov, 0, sizeof(run->cov));
     strcpy(copy, text);
     while (rest) {
         char *const part = strsep(&rest, ",");
@@ -106,7 +105,7 @@ static void parse_cov(kelly_case *run, const char *text)
             die(EXIT_USAGE, "--cov %s: %s stands twice; give each parameter once", text, law_names[k]);
         }
         seen |= 1u << k;
-        run->cov[k] = (float)option_number("--cov", equals + 1, 0.0, 0.5, right);
+        cov[k] = (float)option_number("--cov", equals + 1, 0.0, 0.5, right);
     }
 }
 
@@ -228,7 +227,8 @@ static int parse_case(options *out, times *when, const char *name, const char *v
 static int parse_random(options *out, const char *name, const char *value, unsigned takes)
 {
     if (strcmp(name, "--cov") == 0) {
-        parse_cov(&out->run, value);
+        memset(out->run.cov, 0, sizeof(out->run.cov));   /* what is not named is not random */
+        option_covs(out->run.cov, value);
     } else if (strcmp(name, "--seed") == 0) {
         out->seed = option_whole(name, value, 0, UINT64_MAX, "a whole number 0..18446744073709551615");
     } else if (takes & TAKES_SIMULATE && strcmp(name, "--sample") == 0) {

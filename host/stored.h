@@ -1,0 +1,49 @@
+/* stored.h - a run of montecarlo as it lies in its two files: the CSV, a line a realisation, and the JSON, which names its laws. */
+#ifndef KELLY_STORED_H
+#define KELLY_STORED_H
+
+#include "host.h"
+
+/* What the JSON says of the run. */
+typedef struct {
+    char *path;
+    kelly_case run;               /* means, spreads, limit; nothing else of it is set */
+    uint64_t seed;
+    uint32_t first, samples, stuck, refused;
+    int in_double;
+    char model[64];
+} stored_run;
+
+/* A line of the CSV. */
+typedef struct {
+    uint32_t index;
+    double y[KELLY_PARAMETERS];   /* SI, in the order of the laws */
+    double ss;
+    uint8_t status, stuck, liftoff;
+} stored_row;
+
+/* Fields are not to be touched. */
+typedef struct {
+    FILE *stream;
+    const char *path;
+    char *line;
+    size_t room;
+    uint64_t number;              /* of the line that was read last */
+} stored_rows;
+
+/* Every scalar of a JSON text, with the keys that lead to it joined by dots (elements of arrays: none). Returns where the text is no
+ * JSON (a character), or -1. `value` is the scalar as it stands, strings without their quotes. */
+typedef void (*json_visit)(void *context, const char *path, const char *value);
+long json_walk(const char *text, json_visit visit, void *context);
+
+/* The JSON of a run; dies with exit 1 where it cannot be read, with exit 2 where it is not that of montecarlo. */
+void stored_open_run(stored_run *run, const char *path);
+
+/* The CSV; dies like that, with the line. stored_next: 0 after the last line. */
+void stored_open_rows(stored_rows *rows, const char *path);
+int stored_next(stored_rows *rows, stored_row *row);
+
+/* Die unless the row is the one that the laws of this run give at its place: index, draw, and what sticks. */
+void stored_check(const stored_rows *rows, const stored_run *run, uint32_t place, const stored_row *row);
+
+#endif
