@@ -138,6 +138,9 @@ static double number_of(const stored_rows *rows, const char *text, double lo, do
 
     if (text[0] == '\0' || *end != '\0' || strspn(text, "+-.0123456789eE") != strlen(text) || !(x >= lo && x <= hi)) {
         snprintf(what, sizeof(what), "'%.40s' is no number in %g..%g", text, lo, hi);
+        for (char *c = what; *c; c++) {   /* one line, whatever the file holds */
+            *c = *c >= ' ' && *c <= '~' ? *c : '?';
+        }
         bad_line(rows, what, "give a CSV as montecarlo wrote it");
     }
     return x;
