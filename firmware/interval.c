@@ -12,9 +12,9 @@
 #define EPS (sizeof(wide) > sizeof(float) ? W(1e-16) : W(6e-8))
 #define HALVINGS (sizeof(wide) > sizeof(float) ? 60 : 30)
 
-/* ln n! - (n + 1/2) ln n + n - ln sqrt(2 pi), n >= 1: Stirling's series from 16 on, where its error is below 1e-16, and
+/* See tally.h. Stirling's series from 16 on, where its error is below 1e-16, and
  * S(n) = S(n + 1) + (n + 1/2) ln(1 + 1/n) - 1 below. */
-static wide stirling(wide n)
+wide kelly_stirling(wide n)
 {
     wide s = 0, inv, inv2;
 
@@ -50,7 +50,7 @@ static wide binomial(wide k, wide n, wide p)
     const wide rest = n - k;
     const wide log_root = W(0.5) * kelly_log(n / (k * rest)) - HALF_LOG_2PI;
 
-    return kelly_exp(log_root + (stirling(n) - stirling(k) - stirling(rest)) - deviance(k, n * p) - deviance(rest, n * (1 - p)));
+    return kelly_exp(log_root + (kelly_stirling(n) - kelly_stirling(k) - kelly_stirling(rest)) - deviance(k, n * p) - deviance(rest, n * (1 - p)));
 }
 
 static wide away_from_zero(wide x)

@@ -2,25 +2,9 @@
 
 #include "detmath.h"
 
-#define SHIFT 16                 /* ln Gamma: raised by the recurrence to 16 or more, where the series has an error below 1e-16 */
-
-/* ln Gamma(x) - (x - 1/2) ln x + x, x > 0. The large part is left to the caller, where it cancels. */
-static wide gamma_rest(wide x)
-{
-    wide s = W(0.91893853320467274178), inv, inv2;
-
-    for (int i = 0; i < SHIFT && x < SHIFT; i++) {
-        s += (x + W(0.5)) * kelly_log((x + 1) / x) - 1;
-        x += 1;
-    }
-    inv = 1 / x;
-    inv2 = inv * inv;
-    return s + inv * (W(1.0) / 12 - inv2 * (W(1.0) / 360 - inv2 * (W(1.0) / 1260 - inv2 * (W(1.0) / 1680 - inv2 * (W(1.0) / 1188)))));
-}
-
 /* ln E(w^2) of one parameter: with shapes f, g, rates in units of 1/mean_f (f and g m), s = 2g - f, t = 2 gm - f:
  *     ln Gamma(f) + ln Gamma(s) - 2 ln Gamma(g) - f ln f + 2 g ln(gm) - s ln t
- * s ln s and its like go together as s ln(s/t): none of the terms is larger than the shapes times what differs.
+ * Stirling's formula and s ln s - s ln t together: no term is larger than the shapes times what differs.
  * Infinite unless s > 0 and t > 0: then 0 is returned. */
 static int log_square(wide f, wide g, wide m, wide *sum)
 {
@@ -29,14 +13,14 @@ static int log_square(wide f, wide g, wide m, wide *sum)
     if (!(s > 0) || !(t > 0)) {
         return 0;
     }
-    *sum += s * kelly_log(s / t) - 2 * g * kelly_log(g / gm) - W(0.5) * kelly_log(f * s / (g * g)) + (gamma_rest(f) + gamma_rest(s) - 2 * gamma_rest(g));
+    *sum += s * kelly_log(s / t) - 2 * g * kelly_log(g / gm) - W(0.5) * kelly_log(f * s / (g * g)) + (kelly_stirling(f) + kelly_stirling(s) - 2 * kelly_stirling(g));
     return 1;
 }
 
 kelly_law_fit kelly_law_fits(const kelly_laws *from, const kelly_laws *to, unsigned k)
 {
     if (!(from->cov[k] > 0)) {
-        return to->cov[k] > 0 || to->mean[k] < from->mean[k] || to->mean[k] > from->mean[k] ? KELLY_LAW_FIXED : KELLY_LAW_FITS;
+        return to->cov[k] > 0 || to->mean[k] != from->mean[k] ? KELLY_LAW_FIXED : KELLY_LAW_FITS;
     }
     return to->cov[k] > 0 ? KELLY_LAW_FITS : KELLY_LAW_POINT;
 }
@@ -49,8 +33,7 @@ void kelly_reweight_start(kelly_reweight *sums, const kelly_laws *from, const ke
     *sums = (kelly_reweight){ .n = 0 };
     for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
         sums->mean[k] = from->mean[k];
-        if (!(from->cov[k] > 0) || (!(to->mean[k] < from->mean[k]) && !(to->mean[k] > from->mean[k]) && !(to->cov[k] < from->cov[k]) &&
-                                    !(to->cov[k] > from->cov[k]))) {
+        if (!(from->cov[k] > 0) || (to->mean[k] == from->mean[k] && to->cov[k] == from->cov[k])) {
             continue;                                      /* the same law: weight 1 */
         }
         const wide f = 1 / (from->cov[k] * from->cov[k]), g = 1 / (to->cov[k] * to->cov[k]), m = to->mean[k] / from->mean[k];
@@ -67,9 +50,9 @@ static wide log_weight(const kelly_reweight *sums, const wide y[KELLY_PARAMETERS
     wide sum = 0;
 
     for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
-        const wide x = y[k] / sums->mean[k];
+        if (sums->rate[k] != 0 || sums->slope[k] != 0) {
+            const wide x = y[k] / sums->mean[k];
 
-        if (sums->slope[k] < 0 || sums->slope[k] > 0 || sums->rate[k] < 0 || sums->rate[k] > 0) {
             sum += sums->slope[k] * kelly_log(x) + sums->rate[k] * (x - 1);
         }
     }
@@ -109,17 +92,17 @@ void kelly_reweight_add(kelly_reweight *sums, const wide y[KELLY_PARAMETERS], in
     }
 }
 
-/* Whole numbers below and above; what rounding has added or taken is no count. */
+/* Whole numbers below and above; a thousandth is rounding, and no count. */
 static uint32_t below(wide x)
 {
-    return x < W(4e9) ? (uint32_t)(x * (1 + W(1e-6))) : 4000000000u;
+    return x < W(4e9) ? (uint32_t)(x + W(1e-3)) : 4000000000u;
 }
 
 static uint32_t above(wide x)
 {
     const uint32_t k = below(x);
 
-    return x > (wide)k * (1 + W(1e-6)) ? k + 1 : k;
+    return x > (wide)k + W(1e-3) ? k + 1 : k;
 }
 
 /* The effective n of the interval; see the header. p: refused ones counted as free. */
@@ -145,7 +128,7 @@ void kelly_reweight_read(const kelly_reweight *s, kelly_reweighted *r)
     r->share = 1 / s->w;
     const wide p = s->stuck / s->w < 1 ? s->stuck / s->w : 1, high = (s->stuck + s->refused) / s->w;
     const uint32_t n = below(effective(s, p, r->ess));
-    r->lo = n > 0 ? kelly_binomial_lo(below(p * (wide)n), n, W(0.025)) : 0;
-    r->hi = n > 0 ? kelly_binomial_hi(high < 1 ? above(high * (wide)n) : n, n, W(0.025)) : 1;
+    r->lo = kelly_binomial_lo(below(p * (wide)n), n, W(0.025));         /* 0 where n is 0 */
+    r->hi = kelly_binomial_hi(above(high * (wide)n), n, W(0.025));      /* and 1 */
     r->enough = r->ess >= KELLY_LEAST_ESS && r->ess_predicted >= KELLY_LEAST_ESS && r->share <= KELLY_MOST_SHARE;
 }

@@ -4,15 +4,19 @@
 
 #define T_31 W(2.039513446396408)   /* Student's t, 97.5 %, 31 degrees of freedom */
 
-/* Square root by Newton's method from above: no float is enough where wide is double. x >= 0; 1e-13 or the last places of it. */
+/* Square root by Newton's method from above: no float is enough where wide is double. 60 steps are enough from
+ * x = 1e-30 on; 0 where x is not positive. */
 static wide root(wide x)
 {
-    wide r = x > 1 ? x : 1;
+    wide r = 1 + x;
 
-    for (int i = 0; i < 60 && x > 0; i++) {
+    if (!(x > 0)) {
+        return 0;
+    }
+    for (int i = 0; i < 60; i++) {
         r = W(0.5) * (r + x / r);
     }
-    return x > 0 ? r : 0;
+    return r;
 }
 
 unsigned kelly_sobol_random(const kelly_case *run, unsigned which[KELLY_PARAMETERS])
@@ -118,35 +122,41 @@ static int indices(const kelly_sobol_sums *sum, wide *first, wide *total)
     return 1;
 }
 
-wide kelly_sobol_mean(const kelly_sobol *sobol)
+void kelly_sobol_moments(const kelly_sobol *sobol, wide *mean, wide *spread)
 {
     kelly_sobol_sums sum;
 
     total_sums(sobol, KELLY_SOBOL_GROUPS, 0, &sum);
-    return sum.n > 0 ? sobol->origin + sum.ab / (2 * (wide)sum.n) : 0;
+    *mean = sum.n > 0 ? sobol->origin + sum.ab / (2 * (wide)sum.n) : 0;
+    *spread = sum.n > 0 ? variance(&sum) : 0;
 }
 
-wide kelly_sobol_variance(const kelly_sobol *sobol)
-{
-    kelly_sobol_sums sum;
+/* What leaving groups out has changed: sum and sum of squares. */
+typedef struct {
+    wide sum, squares;
+} changes;
 
-    total_sums(sobol, KELLY_SOBOL_GROUPS, 0, &sum);
-    return sum.n > 0 ? variance(&sum) : 0;
+static void change(changes *c, wide by)
+{
+    c->sum += by;
+    c->squares += by * by;
 }
 
-static void widen(kelly_estimate *e, wide squares)
+/* Variance of the jackknife: (G - 1) / G times the squares of the changes about their mean. */
+static void widen(kelly_estimate *e, const changes *c)
 {
-    const wide half = T_31 * root(squares * (KELLY_SOBOL_GROUPS - 1) / KELLY_SOBOL_GROUPS);
+    const wide about = c->squares - c->sum * c->sum / KELLY_SOBOL_GROUPS;
+    const wide half = T_31 * root(about * (KELLY_SOBOL_GROUPS - 1) / KELLY_SOBOL_GROUPS);
 
     e->lo = e->value - half;
     e->hi = e->value + half;
 }
 
-/* Variance of the jackknife: (G - 1) / G times the squares of what leaving a group out changes, about their mean. */
 int kelly_sobol_read(const kelly_sobol *sobol, unsigned parameter, kelly_estimate *first, kelly_estimate *total)
 {
     kelly_sobol_sums sum;
-    wide f, t, sf = 0, st = 0, sff = 0, stt = 0;
+    changes of_first = { 0, 0 }, of_total = { 0, 0 };
+    wide f, t;
 
     total_sums(sobol, KELLY_SOBOL_GROUPS, parameter, &sum);
     if (sobol->rows < 2 * KELLY_SOBOL_GROUPS || !indices(&sum, &first->value, &total->value)) {
@@ -157,14 +167,10 @@ int kelly_sobol_read(const kelly_sobol *sobol, unsigned parameter, kelly_estimat
         if (!indices(&sum, &f, &t)) {
             return 0;
         }
-        f -= first->value;
-        t -= total->value;
-        sf += f;
-        st += t;
-        sff += f * f;
-        stt += t * t;
+        change(&of_first, f - first->value);
+        change(&of_total, t - total->value);
     }
-    widen(first, sff - sf * sf / KELLY_SOBOL_GROUPS);
-    widen(total, stt - st * st / KELLY_SOBOL_GROUPS);
+    widen(first, &of_first);
+    widen(total, &of_total);
     return 1;
 }

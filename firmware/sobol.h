@@ -55,9 +55,8 @@ void kelly_sobol_clear(kelly_sobol *sobol, unsigned parameters);
 /* f(A), f(B), f(AB_i): finite, [parameters + 2]. In the order of the indices. */
 void kelly_sobol_add(kelly_sobol *sobol, const wide f[]);
 
-/* Mean and variance of f, from all f(A) and f(B). */
-wide kelly_sobol_mean(const kelly_sobol *sobol);
-wide kelly_sobol_variance(const kelly_sobol *sobol);
+/* Mean and variance of f, from all f(A) and f(B); zeros while there are none. */
+void kelly_sobol_moments(const kelly_sobol *sobol, wide *mean, wide *variance);
 
 /* Indices of one parameter; 0 where there are none (see above). */
 int kelly_sobol_read(const kelly_sobol *sobol, unsigned parameter, kelly_estimate *first, kelly_estimate *total);

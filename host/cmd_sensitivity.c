@@ -112,8 +112,10 @@ static void write_estimate(FILE *to, const kelly_estimate *e)
 static void write_measure(FILE *to, const outcome *out, unsigned m)
 {
     const kelly_sobol *const s = &out->of[m];
+    wide mean, variance;
 
-    fprintf(to, "  \"%s\": {\"mean\": %.17g, \"variance\": %.17g, \"indices\": {", measures[m], (double)kelly_sobol_mean(s), (double)kelly_sobol_variance(s));
+    kelly_sobol_moments(s, &mean, &variance);
+    fprintf(to, "  \"%s\": {\"mean\": %.17g, \"variance\": %.17g, \"indices\": {", measures[m], (double)mean, (double)variance);
     for (unsigned i = 0; i < out->random; i++) {
         kelly_estimate first, total;
 
@@ -159,9 +161,10 @@ static void write_json(FILE *to, const outcome *out)
 static void print_measure(const outcome *out, unsigned m)
 {
     const kelly_sobol *const s = &out->of[m];
+    wide mean, variance;
 
-    printf("%s: mean %.4f, variance %.4f\n", m == OF_STUCK ? "stick-slip (P)" : "severity ss", (double)kelly_sobol_mean(s),
-           (double)kelly_sobol_variance(s));
+    kelly_sobol_moments(s, &mean, &variance);
+    printf("%s: mean %.4f, variance %.4f\n", m == OF_STUCK ? "stick-slip (P)" : "severity ss", (double)mean, (double)variance);
     for (unsigned i = 0; i < out->random; i++) {
         kelly_estimate f, t;
 
@@ -169,7 +172,7 @@ static void print_measure(const outcome *out, unsigned m)
             printf("  %-5s first %6.3f   %6.3f .. %6.3f     total %6.3f   %6.3f .. %6.3f\n", names[out->which[i]], (double)f.value, (double)f.lo,
                    (double)f.hi, (double)t.value, (double)t.lo, (double)t.hi);
         } else {
-            printf("  %-5s no index: %s\n", names[out->which[i]], kelly_sobol_variance(s) > 0 ? "it varies too seldom, or --samples is below 64" : "it does not vary");
+            printf("  %-5s no index: %s\n", names[out->which[i]], variance > 0 ? "it varies too seldom, or --samples is below 64" : "it does not vary");
         }
     }
 }
