@@ -172,7 +172,7 @@ static const option_help own_options[] = {
 
 const command_help whatif_help = {
     .brief = "P under other means and spreads, from a run on file, without running",
-    .synopsis = "--from run.csv [--case-json run.json] [--cov D] [--mu M] [--rpm R] [--wob KN] [--alpha1 A] [--alpha2 A] [--json F]",
+    .synopsis = "--from run.csv [--case-json run.json] [--cov D] [--mu M] [--rpm R] [--wob KN] [--json F] ...",
     .takes = TAKES_JSON,
     .own = own_options,
     .notes = "Each realisation counts with the ratio of its likelihoods under the other laws and those that were run. Nothing is said where\n"

@@ -99,7 +99,7 @@ def check_ends():
     text = kelly(f"montecarlo --mu 0.004 {SHORT} --until-decided 0.9 --convergence").stdout
     claim("P is below the level" in text and "conv(1)" in text, f"the summary says why: {text!r}")
     for args, word in (("--until-width 0", "--until-width 0:"), ("--until-width x", "not a finite number"), ("--until-decided 1", "--until-decided 1:"),
-                       ("--until-decided", "give a probability"), ("--until-width nan", "not a finite")):
+                       ("--until-decided", "needs a value"), ("--until-width nan", "not a finite")):
         result = kelly(f"montecarlo {args}")
         claim(result.returncode == 2 and result.stderr.count("\n") == 1 and word in result.stderr, f"{args}: {result.stderr!r}")
 

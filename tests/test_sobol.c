@@ -70,6 +70,32 @@ static void finds_the_indices_of_ishigami(void)
     }
 }
 
+/* The formulas of the header once more, from all rows at once; the first row is an outlier. */
+static void keeps_its_formulas(void)
+{
+    wide f[70][3], mean = 0, v = 0, first_sum = 0, total_sum = 0;
+    kelly_estimate first, total;
+    kelly_rng rng;
+
+    kelly_rng_key(&rng, 6, 0, 0);
+    kelly_sobol_clear(&sobol, 1);
+    for (unsigned j = 0; j < 70; j++) {
+        for (unsigned i = 0; i < 3; i++) {
+            f[j][i] = (wide)kelly_open01(kelly_rng_next(&rng)) + (j == 0 ? 5 : 0);
+        }
+        mean += (f[j][0] + f[j][1]) / 140;
+        kelly_sobol_add(&sobol, f[j]);
+    }
+    for (unsigned j = 0; j < 70; j++) {
+        v += ((f[j][0] - mean) * (f[j][0] - mean) + (f[j][1] - mean) * (f[j][1] - mean)) / 140;
+        first_sum += (f[j][1] - mean) * (f[j][2] - f[j][0]) / 70;
+        total_sum += (f[j][0] - f[j][2]) * (f[j][0] - f[j][2]) / 140;
+    }
+    CHECK(kelly_sobol_read(&sobol, 0, &first, &total));
+    CLOSE(first.value, first_sum / v, 1e-4);
+    CLOSE(total.value, total_sum / v, 1e-4);
+}
+
 /* 500 repetitions of 640 rows, six intervals each: 95 % of them hold the truth, within four standard errors of a repetition. */
 static void intervals_cover(void)
 {
@@ -159,6 +185,7 @@ void test_sobol(void);
 void test_sobol(void)
 {
     finds_the_indices_of_ishigami();
+    keeps_its_formulas();
     intervals_cover();
     do_not_mind_scale();
     says_where_there_are_none();
