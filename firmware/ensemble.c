@@ -2,12 +2,12 @@
 
 #include "severity.h"
 
-/* Draw one realisation and load it if it may be integrated. */
-static void begin(const kelly_table *table, const kelly_case *run, uint64_t seed, uint32_t index, unsigned lane,
-                  kelly_result *result, kelly_work *work)
+/* Load the realisation of result->draw if it may be integrated. */
+static void begin(const kelly_table *table, const kelly_case *run, unsigned lane, kelly_result *result, kelly_work *work)
 {
-    *result = (kelly_result){ .status = KELLY_OK };
-    kelly_draw_sample(run, seed, index, &result->draw);
+    const kelly_draw draw = result->draw;
+
+    *result = (kelly_result){ .draw = draw, .status = KELLY_OK };
     result->liftoff = (uint8_t)kelly_lifts_off(run, &result->draw);
     result->status = (uint8_t)kelly_realise(table, run, &result->draw, &work->modes);
     if (result->status == KELLY_OK) {
@@ -43,13 +43,12 @@ static void classify(const kelly_table *table, const kelly_case *run, unsigned l
     result->stuck = result->ss > run->limit;
 }
 
-/* One block: up to KELLY_LANES realisations together. */
-static void run_block(const kelly_table *table, const kelly_case *run, uint64_t seed, uint32_t first, unsigned count,
-                      kelly_result *results, kelly_work *work)
+/* One block: up to KELLY_LANES realisations together, of the draws in results[]. */
+static void run_block(const kelly_table *table, const kelly_case *run, unsigned count, kelly_result *results, kelly_work *work)
 {
     kelly_block_clear(&work->block, table, run, count);
     for (unsigned l = 0; l < count; l++) {
-        begin(table, run, seed, first + l, l, &results[l], work);
+        begin(table, run, l, &results[l], work);
     }
     kelly_block_advance(&work->block, run->window_first);
     kelly_block_watch(&work->block);
@@ -62,14 +61,35 @@ static void run_block(const kelly_table *table, const kelly_case *run, uint64_t 
     }
 }
 
+static unsigned lanes_of(uint32_t left)
+{
+    return left < KELLY_LANES ? (unsigned)left : (unsigned)KELLY_LANES;
+}
+
 void kelly_run(const kelly_table *table, const kelly_case *run, uint64_t seed, uint32_t first, uint32_t count,
                kelly_result *results, kelly_work *work)
 {
     for (uint32_t done = 0; done < count;) {
-        const uint32_t left = count - done;
-        const unsigned lanes = left < KELLY_LANES ? (unsigned)left : (unsigned)KELLY_LANES;
+        const unsigned lanes = lanes_of(count - done);
 
-        run_block(table, run, seed, first + done, lanes, &results[done], work);
+        for (unsigned l = 0; l < lanes; l++) {
+            kelly_draw_sample(run, seed, first + done + l, &results[done + l].draw);
+        }
+        run_block(table, run, lanes, &results[done], work);
+        done += lanes;
+    }
+}
+
+void kelly_run_draws(const kelly_table *table, const kelly_case *run, const kelly_draw *draws, uint32_t count,
+                     kelly_result *results, kelly_work *work)
+{
+    for (uint32_t done = 0; done < count;) {
+        const unsigned lanes = lanes_of(count - done);
+
+        for (unsigned l = 0; l < lanes; l++) {
+            results[done + l].draw = draws[done + l];
+        }
+        run_block(table, run, lanes, &results[done], work);
         done += lanes;
     }
 }
@@ -80,5 +100,11 @@ static void run_any(const kelly_table *table, const kelly_case *run, uint64_t se
     kelly_run(table, run, seed, first, count, results, (kelly_work *)work);
 }
 
+static void run_any_draws(const kelly_table *table, const kelly_case *run, const kelly_draw *draws, uint32_t count,
+                          kelly_result *results, void *work)
+{
+    kelly_run_draws(table, run, draws, count, results, (kelly_work *)work);
+}
+
 const kelly_engine kelly_engine_here = { .name = KELLY_ISA_NAME, .width = KELLY_WIDTH, .lanes = KELLY_LANES,
-                                         .work_size = sizeof(kelly_work), .run = run_any };
+                                         .work_size = sizeof(kelly_work), .run = run_any, .run_draws = run_any_draws };

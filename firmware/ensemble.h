@@ -20,6 +20,10 @@ typedef struct {
 void kelly_run(const kelly_table *table, const kelly_case *run, uint64_t seed, uint32_t first, uint32_t count,
                kelly_result *results, kelly_work *work);
 
+/* The same for given draws, each of positive parameters, instead of those of a seed. */
+void kelly_run_draws(const kelly_table *table, const kelly_case *run, const kelly_draw *draws, uint32_t count,
+                     kelly_result *results, kelly_work *work);
+
 /* One build of this file, for a program that holds several (see isa.h). `work` of kelly_engine.run is a kelly_work of
  * that build, work_size bytes at an address that is a multiple of 64. */
 typedef struct {
@@ -29,6 +33,8 @@ typedef struct {
     size_t work_size;
     void (*run)(const kelly_table *table, const kelly_case *run, uint64_t seed, uint32_t first, uint32_t count,
                 kelly_result *results, void *work);
+    void (*run_draws)(const kelly_table *table, const kelly_case *run, const kelly_draw *draws, uint32_t count,
+                      kelly_result *results, void *work);
 } kelly_engine;
 
 extern const kelly_engine kelly_engine_here;

@@ -11,6 +11,7 @@
  *   severity.h       what counts as stick-slip
  *   ensemble.h       draw, integrate, classify a range of indices
  *   tally.h          counts, digest, interval
+ *   rare.h           small probabilities by subset simulation
  *   envelope.h       mean, spread and quantiles of a stream of values, in fixed memory
  *   plant.h          one string, everything that a bench reads                            (S)
  *
@@ -32,6 +33,7 @@
 #include "integrator.h"
 #include "plant.h"
 #include "random.h"
+#include "rare.h"
 #include "realisation.h"
 #include "severity.h"
 #include "string_model.h"
