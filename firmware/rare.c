@@ -274,7 +274,7 @@ static kelly_rare_state end_level(kelly_rare *rare)
                rare->level > 0 && rare->distinct < KELLY_RARE_DISTINCT ? KELLY_RARE_FEW : KELLY_RARE_DONE;
     }
     measure(rare, kth_guide(rare, rare->chains));
-    if (product(rare) < KELLY_RARE_LEAST) {
+    if (product(rare) < W(1.01) * KELLY_RARE_LEAST) {      /* and P lies below it */
         return level->failed > 0 ? KELLY_RARE_TOO_RARE : KELLY_RARE_NO_FAILURE;
     }
     return rare->level + 1 < KELLY_RARE_LEVELS ? KELLY_RARE_RUNNING : KELLY_RARE_DEEP;
