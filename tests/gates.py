@@ -25,6 +25,7 @@ GATES = {
     "map": ("test", 600, f"{PYTHON} tests/check_map.py"),
     "use": ("test", 600, f"{PYTHON} tests/check_use.py"),
     "generator": ("test", 300, f"{PYTHON} tests/check_gen.py"),
+    "rare-events": ("test", 600, f"{PYTHON} tests/check_rare.py"),
     "well-files": ("test", 300, f"{PYTHON} tests/check_wells.py"),
     "unit-float": ("test", 300, "make -s unit && build/host/unit"),
     "unit-double": ("test", 300, "make -s unit REAL=double && build/host-double/unit"),
