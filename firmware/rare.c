@@ -1,5 +1,4 @@
-/* rare.c - see rare.h. Au and Beck, Probabilistic Engineering Mechanics 16 (2001) 263-277; conditional sampling and its
- * acceptance of 0.44: Papaioannou, Betz, Zwirglmaier and Straub, ibid. 41 (2015) 89-103. */
+/* rare.c - see rare.h. Au and Beck, Probabilistic Engineering Mechanics 16 (2001) 263-277; conditional sampling: Papaioannou, Betz, Zwirglmaier and Straub, ibid. 41 (2015) 89-103. */
 #include "rare.h"
 
 #include "detmath.h"
@@ -8,7 +7,9 @@
 #define QUARTERS 4u
 #define FIRST_STEP 0.8f
 #define LEAST_STEP 0.02f
-#define TARGET 0.44f
+/* Acceptance aimed at. 0.44 is the literature's for one level; over many a long step does more harm than a short one: spread at
+ * 1e-8 on a plane, 2000 a level, 200 seeds: 0.43 at 0.25, 0.37 at 0.35, 0.43 at 0.44, 0.92 at 0.55. */
+#define TARGET 0.4f
 #define STILL 10u                /* a level must accept one move in so many */
 #define WIDER W(1.25)            /* seen: 92 % coverage without, see kelly_rare_read */
 #define STREAM UINT64_C(0x7261726500000000)    /* "rare": keeps the walk's streams off those of the first level */

@@ -11,7 +11,7 @@
  *
  *     walk    in the x of kelly_gamma_value, one x a random parameter, by conditional sampling: x' = sqrt(1 - step^2) x + step u
  *             with u normal keeps the normal law; kept with probability exp(log_weight(x') - log_weight(x)) it keeps the gamma law.
- *             One step for all x, moved after each quarter of the chains towards an acceptance of 0.44.
+ *             One step for all x, moved after each quarter of the chains towards an acceptance of 0.4.
  *
  * A first level with n p0 failures is plain Monte Carlo, and read as such: its draws are those of kelly_run for the same seed.
  *

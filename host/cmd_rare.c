@@ -6,7 +6,7 @@
 
 #include "map.h"
 
-#define DEFAULT_SAMPLES 2000u
+#define DEFAULT_SAMPLES 2400u
 #define NEAR 0.02                /* a top speed this near 60 f_i, as a ratio, counts as resonance */
 
 /* One run. */
@@ -312,7 +312,7 @@ static void print_outcome(const search *s, double *list)
 /* ---- the command --------------------------------------------------------------------------------------------- */
 
 static const option_help own_options[] = {
-    { "--samples-per-level", "N", "samples of a level, a multiple of 40 in 200..1000000 (default 2000)" },
+    { "--samples-per-level", "N", "samples of a level, a multiple of 40 in 200..1000000 (default 2400)" },
     { "--cov", "D", "coefficients of variation 0..0.5: one for all, or fc=D,mu=D,a1=D,a2=D,rpm=D (default: the well file's)" },
     { "--seed", "S", "of the random streams (default 1)" },
     { "--threads", "T", "threads (default: one a processor); no result depends on it" },
@@ -325,7 +325,7 @@ const command_help rare_help = {
     .synopsis = "[case] [--cov D] [--limit S] [--samples-per-level N] [--seed S] [--json F]",
     .takes = TAKES_CASE | TAKES_JSON,
     .own = own_options,
-    .notes = "Takes 2000 realisations and 1800 more for each power of ten, instead of 100/P. Where the first level already holds a tenth of\n"
+    .notes = "Takes 2400 realisations and 2160 more for each power of ten. Where the first level already holds a tenth of\n"
              "failures the answer is plain Monte Carlo, with the realisations of montecarlo for the same seed.\n"
              "JSON: probability, ci95 (95 %, log-normal), cov (of the estimate), realisations, levels, acceptance of the moves of each\n"
              "level, refused, failures (where they lie in each parameter), digest.\n"
@@ -335,7 +335,7 @@ const command_help rare_help = {
 
 static int own_option(void *context, const char *name, const char *value)
 {
-    static const char right[] = "a multiple of 40 in 200..1000000, e.g. 2000";
+    static const char right[] = "a multiple of 40 in 200..1000000, e.g. 2400";
     search *const s = context;
 
     if (strcmp(name, "--samples-per-level") != 0) {
