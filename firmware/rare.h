@@ -9,9 +9,10 @@
  *
  * ss alone traps the chains where f_a meets a torsional mode, w0 = w_i: there it rises and leads nowhere. R leads past.
  *
- *     walk    in the x of kelly_gamma_value, one x a random parameter, by conditional sampling: x' = sqrt(1 - step^2) x + step u
- *             with u normal keeps the normal law; kept with probability exp(log_weight(x') - log_weight(x)) it keeps the gamma law.
- *             One step for all x, moved after each quarter of the chains towards an acceptance of 0.4.
+ *     walk    in the x of kelly_gamma_value, one x a random parameter, by conditional sampling: along each axis of the seeds' scatter
+ *             x' = sqrt(1 - s^2) x + s u, u normal, keeps the normal law whatever s; s = step times the scatter along that axis, at
+ *             most 1, so that a chain forgets quickly what the event leaves free. With probability exp(log_weight(x') - log_weight(x))
+ *             it keeps the gamma law. One step, moved after each quarter of the chains towards an acceptance of 0.4.
  *
  * A first level with n p0 failures is plain Monte Carlo, and read as such: its draws are those of kelly_run for the same seed.
  *
@@ -25,6 +26,7 @@
 #ifndef KELLY_RARE_H
 #define KELLY_RARE_H
 
+#include "random.h"
 #include "tally.h"
 
 #define KELLY_RARE_STATES 10u           /* of a chain, its seed included: 1 / p0 */
@@ -78,6 +80,8 @@ typedef struct {
     uint32_t realisations;
     uint32_t quarter_accepted;
     float step;
+    float axis[KELLY_PARAMETERS][KELLY_PARAMETERS];   /* of the seeds' scatter, one a column */
+    float scatter[KELLY_PARAMETERS];    /* along it, a standard deviation */
     float guide;                        /* of the present event */
     uint32_t distinct;                  /* different failures in the last level */
     kelly_rare_level levels[KELLY_RARE_LEVELS];
@@ -102,6 +106,12 @@ void kelly_rare_accept(kelly_rare *rare);
 
 /* The answer of a run that is KELLY_RARE_DONE. */
 void kelly_rare_read(const kelly_rare *rare, kelly_rare_estimate *out);
+
+/* For rare.c: axes and scatter of the seeds, the first `chains` samples. */
+void kelly_rare_fit(kelly_rare *rare);
+
+/* For rare.c: the next state of a chain; 0 where the laws turn it down. */
+int kelly_rare_move(const kelly_rare *rare, kelly_rng *rng, const float old[KELLY_PARAMETERS], float next[KELLY_PARAMETERS]);
 
 /* Whether a sample of a run that is over is one of its failures. */
 int kelly_rare_failed(const kelly_rare_sample *sample);

@@ -182,6 +182,7 @@ def study_case(name, seeds, pool):
     claim(covered >= 0.9 * len(good), f"{name}: {covered} of {len(good)} intervals hold {reference:.3g}")
     claim(spread <= 0.35, f"{name}: coefficient of variation {spread:.2f}")
     claim(max(r["realisations"] for r in good) <= 20000, f"{name}: more than 20000 realisations")
+    print(f"{name}: " + " ".join(f"{p:.3g}" for p in sorted(ps)), flush=True)
     need = (1 - mean) / (mean * spread ** 2) if spread else 0
     return (f"| {name} | {reference:.3g}{f' ({samples} plain: {mc[1]:.3g}..{mc[2]:.3g})' if mc else ''} | {mean:.3g} | {mean / reference:.3f} | {spread:.2f} | "
             f"{statistics.fmean(r['cov'] for r in good):.2f} | {covered}/{len(good)} | {min(levels)}-{max(levels)} | {realisations:.0f} | "

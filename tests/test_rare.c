@@ -91,10 +91,10 @@ static void has_the_same_bits_everywhere(void)
 {
     CHECK(simulate(PLANE, normals, 2.3263f, 5, 200));
     EQUAL(rare.level, 2);
-    EQUAL(digest(200), 0x99d58064u);
+    EQUAL(digest(200), 0x11c6379u);
     CLOSE(answer.probability, W(0.01), W(0.006));
     (void)simulate(FAR_OUT, one_gamma, 9.0f, UINT64_C(0x123456789abcdef0), 200);
-    EQUAL(digest(200), 0xf3c176abu);
+    EQUAL(digest(200), 0xfb35b692u);
 }
 
 static int is_first(uint32_t i)
@@ -176,7 +176,7 @@ static void refuses_with_a_reason(void)
     CHECK(rare.levels[1].inside == 200 && rare.levels[1].variance == 0);   /* p = 1: no 0/0 */
     expect(KELLY_RARE_UNKNOWN, REFUSE, 4.0f, 1);
     CHECK(rare.levels[rare.level].refused > 0);
-    expect(KELLY_RARE_FEW, PLANE, 2.6f, 3);
+    expect(KELLY_RARE_FEW, PLANE, 2.6f, 1);
     CHECK(rare.distinct < KELLY_RARE_DISTINCT && rare.levels[rare.level].failed >= 20);
     CHECK(kelly_rare_start(&rare, nothing, 1, 200, samples, keys) != 0);
     CHECK(kelly_rare_start(&rare, normals, 1, 160, samples, keys) != 0);
