@@ -32,6 +32,7 @@ float kelly_rare_guide(const kelly_table *table, const kelly_case *run, const ke
         return KELLY_RARE_FAILED;
     }
     ratio = modes.b[0] * modes.b[0] * slope / (table->alpha + table->beta * modes.w2[0]);
-    ratio = ratio > R(1e-6) ? ratio : R(1e-6);
-    return (float)((ratio * ratio) * (ratio * ratio) * result->ss);
+    ratio = ratio > R(1e-4) ? ratio : R(1e-4);
+    ratio = (ratio * ratio) * (ratio * ratio);
+    return (float)(ratio * ratio * result->ss);            /* above 1e-32 ss: no underflow */
 }
