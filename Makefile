@@ -112,7 +112,8 @@ vector_flags := -DKELLY_VECTORS=4 -DKELLY_WIDTH=$(if $(real_flag),2,4)
 lane_files := integrator block ensemble
 
 library := $(kernel:%=$(dir)/%.o) $(foreach e,$(engines),$(lane_files:%=$(dir)/$(e)/%.o))
-host_objects := $(patsubst host/%.c,$(dir)/host/%.o,$(wildcard host/*.c))
+# host/alone.c and host/mpi.c are two answers to host/team.h
+host_objects := $(patsubst host/%.c,$(dir)/host/%.o,$(filter-out $(if $(MPI),host/alone.c,host/mpi.c),$(wildcard host/*.c)))
 
 all: $(dir)/kelly                             ## build build/host/kelly (needs a C compiler and make)
 
@@ -145,7 +146,7 @@ $(library) $(host_objects): | $(tables)/$(name).c      # a bad well file is told
 endif
 
 unit_objects := $(patsubst tests/%.c,$(dir)/tests/%.o,tests/main.c tests/check.c tests/fixture.c tests/textbook.c $(wildcard tests/test_*.c))
-engine_objects := $(dir)/host/engine.o $(dir)/host/files.o
+engine_objects := $(dir)/host/engine.o $(dir)/host/files.o $(dir)/host/alone.o
 
 unit: $(dir)/unit $(dir)/lanes $(dir)/accuracy
 

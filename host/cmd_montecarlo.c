@@ -2,27 +2,16 @@
 #include <string.h>
 #include <time.h>
 
-#include "host.h"
+#include "../firmware/link/crc32c.h"
+#include "ledger.h"
+#include "outcome.h"
+#include "team.h"
 
-#define LISTED 100u              /* refused realisations that are named one by one in the JSON */
-#define SHOWN 12u                /* and on the terminal */
+#define SHOWN 12u                /* refused realisations that are named on the terminal */
 #define DIGITS (sizeof(real) > sizeof(float) ? 17 : 9)
 
-static const char *const status_names[KELLY_STATUSES] = { "ok", "step", "range", "nonfinite" };
-
-/* What comes out of an ensemble. */
-typedef struct {
-    const options *opts;
-    const kelly_engine *engine;
-    kelly_tally tally;
-    uint32_t stuck_ssi;          /* counted realisations whose SSI exceeds the limit */
-    FILE *csv;
-    uint32_t refused[LISTED];
-    uint8_t why[LISTED];
-    double seconds;
-    convergence_table convergence;
-    envelope_request envelope;
-} outcome;
+const char *const status_names[KELLY_STATUSES] = { "ok", "step", "range", "nonfinite" };
+const char outcome_csv_header[] = "index,fc_kN,mu,alpha1,alpha2,rpm,bit_min_rpm,bit_max_rpm,bit_mean_rpm,ss,stuck,status,liftoff\n";
 
 static const kelly_engine *engine;   /* chosen once, before the threads start */
 
@@ -31,18 +20,30 @@ static void work_piece(const options *opts, uint32_t first, uint32_t count, void
     engine->run(&kelly_string, &opts->run, opts->seed, first, count, results, work);
 }
 
-static void write_result(FILE *to, uint32_t index, const kelly_result *r)
+/* Text of the CSV, and its CRC for the JSON beside it: `kelly merge` asks whether the two belong together. */
+static void write_text(outcome *out, const char *text, size_t length)
+{
+    fwrite(text, 1, length, out->csv);
+    if (out->opts->json) {
+        out->csv_crc = kelly_crc32c(out->csv_crc, (const uint8_t *)text, length);
+    }
+}
+
+static void write_result(outcome *out, uint32_t index, const kelly_result *r)
 {
     const kelly_draw *const d = &r->draw;
+    char line[512];              /* a number has at most 24 characters */
+    int n;
 
-    fprintf(to, "%u,%.*g,%.*g,%.*g,%.*g,%.*g,", index, DIGITS, (double)d->fc / 1000.0, DIGITS, (double)d->mu, DIGITS, (double)d->a1,
+    n = sprintf(line, "%u,%.*g,%.*g,%.*g,%.*g,%.*g,", index, DIGITS, (double)d->fc / 1000.0, DIGITS, (double)d->mu, DIGITS, (double)d->a1,
             DIGITS, (double)d->a2, DIGITS, (double)d->w0 / RPM);
     if (r->status == KELLY_OK) {
-        fprintf(to, "%.*g,%.*g,%.*g,%.*g,%u,ok,%u\n", DIGITS, (double)r->lowest / RPM, DIGITS, (double)r->highest / RPM,
+        n += sprintf(line + n, "%.*g,%.*g,%.*g,%.*g,%u,ok,%u\n", DIGITS, (double)r->lowest / RPM, DIGITS, (double)r->highest / RPM,
                 DIGITS, (double)r->mean / RPM, DIGITS, (double)r->ss, r->stuck, r->liftoff);
     } else {
-        fprintf(to, ",,,,0,%s,%u\n", status_names[r->status], r->liftoff);
+        n += sprintf(line + n, ",,,,0,%s,%u\n", status_names[r->status], r->liftoff);
     }
+    write_text(out, line, (size_t)n);
 }
 
 /* The field's definition beside the paper's: a bit that does not get on at all (mean <= 0) is stuck in both. */
@@ -66,7 +67,7 @@ static void take_batch(void *context, uint32_t first, uint32_t count, const void
         kelly_tally_add(&out->tally, first + i, &r[i]);
         out->stuck_ssi += stuck_by_ssi(out, &r[i]);
         if (out->csv) {
-            write_result(out->csv, first + i, &r[i]);
+            write_result(out, first + i, &r[i]);
         }
     }
 }
@@ -124,10 +125,12 @@ static void write_ssi(FILE *to, const outcome *out)
     fprintf(to, ", \"stuck\": %u},\n", out->stuck_ssi);
 }
 
-static void write_json(FILE *to, const outcome *out, double lo, double hi)
+void outcome_json(FILE *to, const outcome *out)
 {
     const kelly_tally *const t = &out->tally;
+    double lo, hi;
 
+    kelly_interval(t, &lo, &hi);
     fputs("{\n", to);
     if (t->samples > kelly_refused(t)) {
         fprintf(to, "  \"probability\": %.17g,\n", (double)kelly_probability(t));
@@ -140,12 +143,16 @@ static void write_json(FILE *to, const outcome *out, double lo, double hi)
     write_ssi(to, out);
     fprintf(to, "  \"seed\": %llu,\n  \"first\": %u,\n  \"digest\": \"%08x\",\n  \"real\": \"%s\",\n  \"model\": \"%s\",\n",
             (unsigned long long)out->opts->seed, out->opts->first, t->digest, sizeof(real) > 4 ? "double" : "float", kelly_string.id);
+    fprintf(to, "  \"identity\": \"%08x\",\n", run_identity(out->opts));
+    if (out->opts->csv) {
+        fprintf(to, "  \"csv_crc32c\": \"%08x\",\n", out->csv_crc);
+    }
     write_refused(to, out);
     if (out->opts->convergence) {
         write_convergence(to, &out->convergence);
     }
     write_case(to, out);
-    fprintf(to, "  \"engine\": \"%s\",\n  \"seconds\": %.6f\n}\n", out->engine->name, out->seconds);
+    fprintf(to, "  \"engine\": \"%s\",\n  \"seconds\": %.6f\n}\n", out->engine, out->seconds);
 }
 
 static void print_case(const outcome *out)
@@ -187,12 +194,15 @@ static void warn(const outcome *out)
     }
 }
 
-static void print_outcome(const outcome *out, double lo, double hi)
+void outcome_print(const outcome *out)
 {
     const kelly_tally *const t = &out->tally;
     const uint32_t counted = t->samples - kelly_refused(t);
-    const int digits = hi - lo > 1e-3 ? 4 : hi - lo > 1e-5 ? 6 : 8;   /* as many as the interval's width needs */
+    double lo, hi;
+    int digits;                  /* as many as the interval's width needs */
 
+    kelly_interval(t, &lo, &hi);
+    digits = hi - lo > 1e-3 ? 4 : hi - lo > 1e-5 ? 6 : 8;
     print_case(out);
     if (counted > 0) {
         printf("P(stick-slip) = %s%.*f%s   95 %% interval %.*f .. %.*f   (%u of %u with ss > %.6g)\n", ink(stdout, colour(lo, hi)), digits,
@@ -204,7 +214,7 @@ static void print_outcome(const outcome *out, double lo, double hi)
     }
     printf("refused %u (step %u, range %u, nonfinite %u), lift-off %u, seed %llu, first %u, digest %08x, %s, %s, %.2f s\n", kelly_refused(t),
            t->status[KELLY_STEP], t->status[KELLY_RANGE], t->status[KELLY_NONFINITE], t->liftoff, (unsigned long long)out->opts->seed,
-           out->opts->first, t->digest, sizeof(real) > 4 ? "double" : "float", out->engine->name, out->seconds);
+           out->opts->first, t->digest, sizeof(real) > 4 ? "double" : "float", out->engine, out->seconds);
     warn(out);
     for (uint32_t i = 0; i < listed(out) && i < SHOWN; i++) {
         printf("%s%u (%s)", i ? ", " : "refused: ", out->refused[i], status_names[out->why[i]]);
@@ -231,55 +241,76 @@ static double now(void)
 
 const command_help montecarlo_help = {
     .brief = "probability of stick-slip with its 95 % interval",
-    .synopsis = "[case] [--samples N] [--cov D] [--seed S] [--json F] [--csv F] ...",
-    .takes = TAKES_CASE | TAKES_ENSEMBLE | TAKES_JSON,
+    .synopsis = "[case] [--samples N] [--cov D] [--seed S] [--json F] [--csv F] [--resume] ...",
+    .takes = TAKES_CASE | TAKES_ENSEMBLE | TAKES_JSON | TAKES_RESUME,
     .own = envelope_options,
     .notes = "CSV: index,fc_kN,mu,alpha1,alpha2,rpm,bit_min_rpm,bit_max_rpm,bit_mean_rpm,ss,stuck,status,liftoff.\n"
              "ss = (max - min)/(max + min) of the bit speed over the window decides (10 where max + min <= 0);\n"
              "SSI = (max - min)/(2 mean), the index of rig displays, is reported beside it (JSON: ssi).\n"
-             "A realisation that cannot be trusted has a status (step, range, nonfinite) and is never counted.",
+             "A realisation that cannot be trusted has a status (step, range, nonfinite) and is never counted.\n"
+             "OUTPUT.journal beside the first output, CSV or JSON, holds what is done and goes when all is written: 48 bytes a realisation\n"
+             "(84 in double). --resume runs what is missing in it; --convergence, --envelope and --traces are run again.",
     .example = "kelly montecarlo --mu 0.004 --samples 4000 --json run.json --csv runs.csv",
 };
+
+/* Open the outputs, and the journal beside the first that is a file. */
+static void open_outputs(const options *opts, outcome *out, ledger *kept, outfile *csv, outfile *json)
+{
+    const char *const beside = is_file(opts->csv) ? opts->csv : is_file(opts->json) ? opts->json : 0;
+
+    if (opts->resume && !beside) {
+        die(EXIT_USAGE, "--resume: there is no journal without an output file; give --csv or --json");
+    }
+    if (opts->csv) {
+        outfile_open_kept(csv, opts->csv);
+        out->csv = csv->stream;
+        write_text(out, outcome_csv_header, strlen(outcome_csv_header));
+    }
+    if (opts->json) {
+        outfile_open_kept(json, opts->json);
+    }
+    if (beside && team_rank() == 0) {
+        ledger_open(kept, opts, beside, take_batch, out);
+    }
+}
+
+static int on_stdout(const char *path)
+{
+    return path && strcmp(path, "-") == 0;
+}
 
 int command_montecarlo(int argc, char **argv)
 {
     static outcome out;
-    options opts;
+    static ledger kept;
+    options opts, rest;
     outfile csv, json;
-    double lo, hi;
     const double start = now();
-    const char *const header = "index,fc_kN,mu,alpha1,alpha2,rpm,bit_min_rpm,bit_max_rpm,bit_mean_rpm,ss,stuck,status,liftoff\n";
 
-    options_parse(&opts, argc, argv, TAKES_CASE | TAKES_ENSEMBLE | TAKES_JSON, "montecarlo", envelope_option, &out.envelope);
+    options_parse(&opts, argc, argv, TAKES_CASE | TAKES_ENSEMBLE | TAKES_JSON | TAKES_RESUME, "montecarlo", envelope_option, &out.envelope);
     envelope_reserve(&out.envelope, &opts);
     engine = engine_choose(opts.engine);
     out.opts = &opts;
-    out.engine = engine;
-    if (opts.csv) {
-        outfile_open(&csv, opts.csv);
-        out.csv = csv.stream;
-        fputs(header, out.csv);
-    }
-    if (opts.json) {
-        outfile_open(&json, opts.json);
-    }
-    run_job(&opts, &(job){ .work = work_piece, .work_size = engine->work_size, .result_size = sizeof(kelly_result),
-                           .width = engine->width, .lanes = engine_lanes(engine, &opts.run) }, take_batch, &out);
+    out.engine = engine->name;
+    open_outputs(&opts, &out, &kept, &csv, &json);
+    rest = kept.open ? ledger_rest(&kept, &opts) : opts;
+    run_job(&rest, &(job){ .work = work_piece, .work_size = engine->work_size, .result_size = sizeof(kelly_result), .width = engine->width,
+                           .lanes = engine_lanes(engine, &opts.run), .keep = kept.open ? &kept.keep : 0, .lead_only = 1 }, take_batch, &out);
     if (opts.convergence) {
         convergence_run(&opts, &out.convergence);
     }
     envelope_run(&out.envelope, &opts);
     out.seconds = now() - start;
-    kelly_interval(&out.tally, &lo, &hi);
     if (opts.json) {
-        write_json(json.stream, &out, lo, hi);
+        outcome_json(json.stream, &out);
         outfile_close(&json);
     }
     if (opts.csv) {
         outfile_close(&csv);
     }
-    if (!opts.quiet && !(opts.json && strcmp(opts.json, "-") == 0) && !(opts.csv && strcmp(opts.csv, "-") == 0)) {
-        print_outcome(&out, lo, hi);
+    ledger_close(&kept);
+    if (!opts.quiet && !on_stdout(opts.json) && !on_stdout(opts.csv)) {
+        outcome_print(&out);
     }
     return EXIT_DONE;
 }

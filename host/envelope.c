@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "host.h"
+#include "team.h"
 
 #define QUANTITIES 3u
 #define STATISTICS 5u
@@ -332,7 +333,7 @@ static void write_envelope(FILE *to, const char *path, const options *opts)
     by_time.samples = store.times;
     write_names(&w);
     run_job(&by_time, &(job){ .work = rows_piece, .work_size = (size_t)store.used * COLUMN * sizeof(real), .result_size = sizeof(row),
-                              .width = COLUMN, .lanes = COLUMN * 8 }, write_rows, &w);
+                              .width = COLUMN, .lanes = COLUMN * 8, .lead_alone = 1 }, write_rows, &w);
 }
 
 static void write_traces(FILE *to, unsigned quantity)
@@ -354,10 +355,11 @@ void envelope_run(envelope_request *ask, const options *opts)
 {
     outfile file;
 
-    if (!ask->envelope && !ask->traces) {
+    if ((!ask->envelope && !ask->traces) || team_rank() > 0) {
         return;
     }
-    run_job(opts, &(job){ .work = run_piece, .work_size = sizeof(kelly_plant), .result_size = 1, .width = 1, .lanes = 4 }, count_used, 0);
+    run_job(opts, &(job){ .work = run_piece, .work_size = sizeof(kelly_plant), .result_size = 1, .width = 1, .lanes = 4, .lead_alone = 1 },
+            count_used, 0);
     if (ask->envelope && store.used == 0) {
         die(EXIT_FAILED, "--envelope %s: every realisation was refused, so there is nothing to take quantiles of", ask->envelope);
     }

@@ -29,6 +29,7 @@ typedef struct {
     const char *json, *csv, *out; /* paths, "-" for stdout, or 0 */
     const char *engine;           /* vector unit by name, or 0 for the widest */
     const char *field;            /* simulate: displacement and twist along the string, F.npy or F.csv, or 0 */
+    int resume;                   /* go on from the journal */
     int quiet;                    /* no summary */
     int progress;                 /* PROGRESS_... */
 } options;
@@ -36,7 +37,7 @@ typedef struct {
 enum { PROGRESS_AUTO, PROGRESS_JSON, PROGRESS_NONE };
 
 /* Options that a subcommand takes, or'ed. */
-enum { TAKES_CASE = 1, TAKES_ENSEMBLE = 2, TAKES_SIMULATE = 4, TAKES_JSON = 8 };
+enum { TAKES_CASE = 1, TAKES_ENSEMBLE = 2, TAKES_SIMULATE = 4, TAKES_JSON = 8, TAKES_RESUME = 16 };
 
 /* A subcommand's own options: 1 if it knows this name and took the value, 0 if not; dies with exit 2 on a bad value. */
 typedef int (*more_options)(void *context, const char *name, const char *value);
@@ -112,10 +113,15 @@ void progress_end(const options *opts, uint64_t total, double seconds);
 typedef struct {
     FILE *stream;
     char *path, *temporary;       /* both 0 for stdout */
+    int fd;                       /* to be synced before it gets its name, or -1 */
 } outfile;
 
 /* Open for writing ("-": stdout); dies with exit 1 if that cannot be done. */
 void outfile_open(outfile *file, const char *path);
+
+/* The same for a run that keeps a journal: the file grows as PATH.part, which a run that was killed leaves and the next one takes over,
+ * and its bytes are on the disk before it gets its name. */
+void outfile_open_kept(outfile *file, const char *path);
 
 /* Flush, check and rename; dies with exit 1, leaving nothing behind, if any byte was lost. */
 void outfile_close(outfile *file);
@@ -151,20 +157,36 @@ unsigned engine_lanes(const kelly_engine *engine, const kelly_case *run);
 
 unsigned processors(void);
 
+/* Threads of this process: those that were asked for, or one a processor. */
+unsigned threads_of(const options *opts);
+
 /* Work on one piece of a batch: realisations first .. first + count - 1 into results[0..count-1]. */
 typedef void (*piece_work)(const options *opts, uint32_t first, uint32_t count, void *results, void *work);
 
 /* What is handed each finished batch, in the order of the indices. */
 typedef void (*batch_sink)(void *context, uint32_t first, uint32_t count, const void *results);
 
+/* A job that can be cut short and go on. */
+typedef struct {
+    void *context;
+    /* Fill in results[i] and set have[i] where realisation first + i is known; have[] comes as zeros. */
+    void (*recall)(void *context, uint32_t first, uint32_t count, void *results, uint8_t *have);
+    /* These are done. Not called by two threads at once, nor in any order. */
+    void (*save)(void *context, uint32_t first, uint32_t count, const void *results);
+} keeper;
+
 typedef struct {
     piece_work work;
     size_t work_size;             /* scratch of one thread [bytes] */
     size_t result_size;           /* of one realisation [bytes] */
     unsigned width, lanes;        /* pieces are whole vectors of `width`, at most `lanes` realisations */
+    const keeper *keep;           /* or 0 */
+    int lead_only;                /* of several processes the first alone needs the results */
+    int lead_alone;               /* and it alone runs them: `work` leaves more behind than results */
 } job;
 
-/* Run all realisations of opts over its threads; results reach the sink in index order. Memory does not grow with samples. */
+/* Run all realisations of opts, but those that are known, over its threads; results reach the sink in index order. Memory does not
+ * grow with samples. */
 void run_job(const options *opts, const job *what, batch_sink sink, void *context);
 
 /* ---- subcommands --------------------------------------------------------------------------------------------- */

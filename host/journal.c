@@ -16,6 +16,7 @@
 #define VERSION 1u
 #define SYNC_EVERY 5.0           /* [s] */
 #define RECORD_MAX (JOURNAL_PAYLOAD_MAX + 8)
+#define TOGETHER 32u             /* records of the greatest size in one write */
 
 /* The header: where each field lies. Names are cut to their length; the CRC of the whole model id is in `parameters`. */
 enum { AT_VERSION = 8, AT_REAL = 12, AT_PAYLOAD = 16, AT_RECORDS = 20, AT_PARAMETERS = 24, AT_SEED = 28, AT_KIND = 36, AT_MODEL = 52,
@@ -262,17 +263,31 @@ void journal_open(journal *j, const char *output, const journal_run *run, int re
     sync_now(j);
 }
 
-void journal_append(journal *j, uint32_t index, const uint8_t *payload)
+void journal_append_run(journal *j, uint32_t first, uint32_t count, const uint8_t *payloads)
 {
-    uint8_t record[RECORD_MAX];
+    const size_t size = j->payload + 8u;
+    uint8_t records[TOGETHER * RECORD_MAX];
 
-    put_u32(record, index);
-    memcpy(record + 4, payload, j->payload);
-    put_u32(record + 4 + j->payload, kelly_crc32c(0, record, 4 + j->payload));
-    write_all(j, record, j->payload + 8u);
+    for (uint32_t done = 0; done < count;) {
+        size_t used = 0;
+
+        for (; done < count && used + size <= sizeof(records); done++, used += size) {
+            uint8_t *const record = records + used;
+
+            put_u32(record, first + done);
+            memcpy(record + 4, payloads + (size_t)done * j->payload, j->payload);
+            put_u32(record + 4 + j->payload, kelly_crc32c(0, record, 4 + j->payload));
+        }
+        write_all(j, records, used);
+    }
     if (now() - j->synced > SYNC_EVERY) {
         sync_now(j);
     }
+}
+
+void journal_append(journal *j, uint32_t index, const uint8_t *payload)
+{
+    journal_append_run(j, index, 1, payload);
 }
 
 void journal_remove(journal *j)

@@ -45,6 +45,9 @@ void journal_open(journal *j, const char *output, const journal_run *run, int re
 /* Append one record; dies with exit 1 if it cannot be written (what lies there stays good). Not for two threads at once. */
 void journal_append(journal *j, uint32_t index, const uint8_t *payload);
 
+/* The same for indices first .. first + count - 1, their payloads one behind the other; few writes, each of whole records. */
+void journal_append_run(journal *j, uint32_t first, uint32_t count, const uint8_t *payloads);
+
 /* The output is in place: remove the journal. */
 void journal_remove(journal *j);
 
