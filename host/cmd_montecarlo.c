@@ -143,7 +143,7 @@ void outcome_json(FILE *to, const outcome *out)
     write_ssi(to, out);
     fprintf(to, "  \"seed\": %llu,\n  \"first\": %u,\n  \"digest\": \"%08x\",\n  \"real\": \"%s\",\n  \"model\": \"%s\",\n",
             (unsigned long long)out->opts->seed, out->opts->first, t->digest, sizeof(real) > 4 ? "double" : "float", kelly_string.id);
-    fprintf(to, "  \"identity\": \"%08x\",\n", run_identity(out->opts));
+    fprintf(to, "  \"identity\": \"%08x\",\n", out->identity);
     if (out->opts->csv) {
         fprintf(to, "  \"csv_crc32c\": \"%08x\",\n", out->csv_crc);
     }
@@ -292,6 +292,7 @@ int command_montecarlo(int argc, char **argv)
     engine = engine_choose(opts.engine);
     out.opts = &opts;
     out.engine = engine->name;
+    out.identity = run_identity(&opts);
     open_outputs(&opts, &out, &kept, &csv, &json);
     rest = kept.open ? ledger_rest(&kept, &opts) : opts;
     run_job(&rest, &(job){ .work = work_piece, .work_size = engine->work_size, .result_size = sizeof(kelly_result), .width = engine->width,

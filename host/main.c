@@ -10,6 +10,7 @@ const subcommand commands[] = {
     { "modes", command_modes, &modes_help },
     { "map", command_map, &map_help },
     { "advise", command_advise, &advise_help },
+    { "merge", command_merge, &merge_help },
     { "manual", command_manual, &manual_help },
 };
 const unsigned command_count = sizeof(commands) / sizeof(commands[0]);

@@ -12,6 +12,7 @@ extern const char *const status_names[KELLY_STATUSES];
 typedef struct {
     const options *opts;
     const char *engine;
+    uint32_t identity;           /* run_identity */
     kelly_tally tally;
     uint32_t stuck_ssi;          /* counted realisations whose SSI exceeds the limit */
     FILE *csv;                   /* or 0 */
