@@ -3,7 +3,7 @@
  * The realisations of a cell still to come, up to SEGMENT, are cut into pieces of whole vectors. A thread takes a piece of a cell
  * that is under way, or else begins the next cell; who finishes the last piece of a segment adds it up, in the order
  * of the indices, writes it to the journal, and opens the cell's next segment. So both the only cell of a map and the last of
- * many keep all threads busy, and no order of execution can show.
+ * many keep all threads busy, and no order of execution can show. The other processes of a team take pieces in the same way.
  */
 #include <math.h>
 #include <pthread.h>
@@ -11,6 +11,7 @@
 #include <time.h>
 
 #include "map.h"
+#include "team.h"
 
 #define SEGMENT 16384u           /* realisations of a cell whose results are in memory at once */
 #define FIRST_LOOK 32u           /* adaptive: realisations before the first decision */
@@ -20,7 +21,7 @@
 typedef struct {
     cell *cell;
     kelly_case run;
-    uint32_t count;              /* realisations of this segment */
+    uint32_t base, count;        /* realisations of this segment, the first of them */
     uint32_t vectors, pieces, next, left;
     kelly_result *results;
 } segment;
@@ -32,52 +33,12 @@ typedef struct {
     uint32_t begun, done;        /* cells */
     uint32_t before;             /* done by an earlier run */
     unsigned places;
-    segment *at;                 /* [places], one a thread is enough: see take_piece */
+    segment *at;                 /* [places], one a piece that is under way is enough: see take_piece */
+    int watched;                 /* progress is shown */
+    double start, shown;         /* [s] */
     pthread_mutex_t lock;
     pthread_cond_t changed;
 } workshop;
-
-kelly_case cell_case(const study *s, const cell *c)
-{
-    kelly_case run = s->opts->run;
-
-    run.w0 = (real)(c->rpm * RPM);
-    run.fc = (real)(c->wob_kN * 1000.0);
-    run.f0 = (real)(c->f0_kN * 1000.0);
-    run.rotating = c->rotating;
-    for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
-        run.cov[k] = c->nominal ? 0.0f : run.cov[k];
-    }
-    return run;
-}
-
-double cell_probability(const cell *c)
-{
-    return c->tally.samples > kelly_refused(&c->tally) ? (double)kelly_probability(&c->tally) : (double)NAN;
-}
-
-/* The tally in its own order: samples, stuck, lift-off, the four statuses, digest. */
-void cell_pack(const cell *c, uint8_t payload[CELL_PAYLOAD])
-{
-    const kelly_tally *const t = &c->tally;
-    const uint32_t words[CELL_PAYLOAD / 4] = { t->samples, t->stuck, t->liftoff, t->status[0], t->status[1], t->status[2], t->status[3], t->digest };
-
-    for (unsigned k = 0; k < CELL_PAYLOAD / 4; k++) {
-        put_u32(payload + 4 * k, words[k]);
-    }
-}
-
-void cell_unpack(cell *c, const uint8_t payload[CELL_PAYLOAD])
-{
-    kelly_tally *const t = &c->tally;
-    uint32_t *const words[CELL_PAYLOAD / 4] = { &t->samples, &t->stuck, &t->liftoff, &t->status[0], &t->status[1], &t->status[2], &t->status[3],
-                                                &t->digest };
-
-    for (unsigned k = 0; k < CELL_PAYLOAD / 4; k++) {
-        *words[k] = get_u32(payload + 4 * k);
-    }
-    kelly_interval(t, &c->lo, &c->hi);
-}
 
 /* The width is largest at P = 1/2, about 1.96 / sqrt n + 1 / n, which is `width` at n = 3.84 / width^2 + 2 / width; a little is added. */
 uint32_t samples_for_width(double width)
@@ -135,6 +96,7 @@ static void open_segment(const workshop *w, segment *g, cell *c, uint32_t count)
 
     g->cell = c;
     g->run = cell_case(w->s, c);
+    g->base = w->s->opts->first + c->tally.samples;
     g->count = count;
     g->vectors = (count + width - 1) / width;
     g->pieces = (g->vectors + whole - 1) / whole;
@@ -190,11 +152,10 @@ static segment *take_piece(workshop *w, uint32_t *piece)
 static void close_segment(workshop *w, segment *g)
 {
     cell *const c = g->cell;
-    const uint32_t first = w->s->opts->first + c->tally.samples;
     uint32_t more;
 
     for (uint32_t i = 0; i < g->count; i++) {
-        kelly_tally_add(&c->tally, first + i, &g->results[i]);
+        kelly_tally_add(&c->tally, g->base + i, &g->results[i]);
     }
     kelly_interval(&c->tally, &c->lo, &c->hi);
     if (w->s->log) {
@@ -217,8 +178,7 @@ static void run_piece(const workshop *w, const segment *g, uint32_t piece, void 
 {
     const uint32_t from = piece_start(w, g, piece), to = piece_start(w, g, piece + 1);
 
-    w->s->engine->run(&kelly_string, &g->run, w->s->opts->seed, w->s->opts->first + g->cell->tally.samples + from, to - from,
-                      &g->results[from], work);
+    w->s->engine->run(&kelly_string, &g->run, w->s->opts->seed, g->base + from, to - from, &g->results[from], work);
 }
 
 static void *worker(void *context)
@@ -253,35 +213,130 @@ static void *worker(void *context)
     return 0;
 }
 
-/* Cells done, four times a second, until all are. */
-static void watch(workshop *w)
+static double now(void)
 {
-    struct timespec start, t;
+    struct timespec t;
 
-    clock_gettime(CLOCK_REALTIME, &start);
-    t = start;
-    pthread_mutex_lock(&w->lock);
-    while (w->done < w->count) {
-        if (pthread_cond_timedwait(&w->changed, &w->lock, &t) == 0) {
-            continue;
-        }
-        clock_gettime(CLOCK_REALTIME, &t);
-        progress_show(w->s->opts, w->done > w->before ? w->done - w->before : 0, w->count - w->before,
-                      (double)(t.tv_sec - start.tv_sec) + 1e-9 * (double)(t.tv_nsec - start.tv_nsec));
-        t.tv_nsec += 250000000;
-        t.tv_sec += t.tv_nsec / 1000000000;
-        t.tv_nsec %= 1000000000;
-    }
-    pthread_mutex_unlock(&w->lock);
-    progress_end(w->s->opts, w->count - w->before, (double)(t.tv_sec - start.tv_sec));
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-void cells_run(const study *s, cell *cells, uint32_t count, uint32_t record)
+/* Whether all cells are done; shows how many are, four times a second. */
+static int over(void *context)
 {
-    const unsigned threads = s->opts->threads ? s->opts->threads : processors();
+    workshop *const w = context;
+    uint32_t done;
+
+    pthread_mutex_lock(&w->lock);
+    done = w->done;
+    pthread_mutex_unlock(&w->lock);
+    if (w->watched && done < w->count && now() - w->shown > 0.25) {
+        w->shown = now();
+        progress_show(w->s->opts, done > w->before ? done - w->before : 0, w->count - w->before, w->shown - w->start);
+    }
+    return done == w->count;
+}
+
+static void watch(workshop *w)
+{
+    const struct timespec nap = { .tv_nsec = 20000000 };
+
+    while (!over(w)) {
+        nanosleep(&nap, 0);
+    }
+}
+
+/* ---- the other processes of a team --------------------------------------------------------------------------------- */
+
+static int take_errand(void *context, errand *e)
+{
+    workshop *const w = context;
+    segment *g;
+    uint32_t piece;
+
+    pthread_mutex_lock(&w->lock);
+    g = take_piece(w, &piece);
+    pthread_mutex_unlock(&w->lock);
+    if (g) {
+        const uint32_t from = piece_start(w, g, piece), to = piece_start(w, g, piece + 1);
+
+        *e = (errand){ .item = (uint32_t)(g->cell - w->cells), .first = g->base + from, .count = to - from, .results = &g->results[from] };
+    }
+    return g != 0;
+}
+
+/* A cell has one segment at a time. */
+static void bring_errand(void *context, const errand *e)
+{
+    workshop *const w = context;
+
+    pthread_mutex_lock(&w->lock);
+    for (unsigned i = 0; i < w->places; i++) {
+        if (w->at[i].cell == &w->cells[e->item]) {
+            if (--w->at[i].left == 0) {
+                close_segment(w, &w->at[i]);
+            }
+            break;
+        }
+    }
+    pthread_mutex_unlock(&w->lock);
+}
+
+typedef struct {
+    const study *s;
+    const cell *cells;
+    void *work;
+} follower;
+
+static void run_errand(void *context, const errand *e)
+{
+    const follower *const f = context;
+    const kelly_case run = cell_case(f->s, &f->cells[e->item]);
+
+    f->s->engine->run(&kelly_string, &run, f->s->opts->seed, e->first, e->count, e->results, f->work);
+}
+
+static void follow(const study *s, const cell *cells)
+{
+    follower f = { s, cells, 0 };
+
+    if (posix_memalign(&f.work, 64, s->engine->work_size) != 0) {
+        die(EXIT_FAILED, "out of memory");
+    }
+    team_follow(run_errand, &f, sizeof(kelly_result), 0, 0);
+    free(f.work);
+}
+
+/* ---- all ------------------------------------------------------------------------------------------------------------- */
+
+static void run_threads(workshop *w, unsigned threads, pthread_t *ids)
+{
+    for (unsigned t = 0; t < threads; t++) {
+        if (pthread_create(&ids[t], 0, worker, w) != 0) {
+            die(EXIT_FAILED, "cannot start thread %u of %u; give fewer --threads", t + 1, threads);
+        }
+    }
+    if (team_others() > 0) {
+        team_lead(&(team_source){ w, take_errand, bring_errand, over, sizeof(kelly_result) });
+    } else if (w->watched) {
+        watch(w);
+    }
+    for (unsigned t = 0; t < threads; t++) {
+        pthread_join(ids[t], 0);
+    }
+    if (w->watched) {
+        progress_end(w->s->opts, w->count - w->before, now() - w->start);
+    }
+}
+
+/* The run of an only process, or of the first of a team. */
+static void lead(const study *s, cell *cells, uint32_t count, uint32_t record)
+{
+    const unsigned threads = threads_of(s->opts), places = threads + TEAM_DEPTH * team_others();
     const uint32_t most = s->opts->samples < SEGMENT ? s->opts->samples : SEGMENT;
-    workshop w = { .s = s, .cells = cells, .count = count, .record = record, .places = threads, .at = calloc(threads, sizeof(segment)) };
-    kelly_result *const results = calloc((size_t)threads * most, sizeof(kelly_result));
+    workshop w = { .s = s, .cells = cells, .count = count, .record = record, .places = places, .at = calloc(places, sizeof(segment)),
+                   .watched = !s->silent && progress_wanted(s->opts), .start = now() };
+    kelly_result *const results = calloc((size_t)places * most, sizeof(kelly_result));
     pthread_t *const ids = calloc(threads, sizeof(*ids));
 
     if (!w.at || !results || !ids) {
@@ -292,23 +347,24 @@ void cells_run(const study *s, cell *cells, uint32_t count, uint32_t record)
     }
     pthread_mutex_init(&w.lock, 0);
     pthread_cond_init(&w.changed, 0);
-    for (unsigned t = 0; t < threads; t++) {   /* every place, before any thread looks for one */
+    for (unsigned t = 0; t < places; t++) {   /* every place, before any thread looks for one */
         w.at[t].results = results + (size_t)t * most;
     }
-    for (unsigned t = 0; t < threads; t++) {
-        if (pthread_create(&ids[t], 0, worker, &w) != 0) {
-            die(EXIT_FAILED, "cannot start thread %u of %u; give fewer --threads", t + 1, threads);
-        }
-    }
-    if (!s->silent && progress_wanted(s->opts)) {
-        watch(&w);
-    }
-    for (unsigned t = 0; t < threads; t++) {
-        pthread_join(ids[t], 0);
-    }
+    run_threads(&w, threads, ids);
     pthread_cond_destroy(&w.changed);
     pthread_mutex_destroy(&w.lock);
     free(ids);
     free(results);
     free(w.at);
+}
+
+void cells_run(const study *s, cell *cells, uint32_t count, uint32_t record)
+{
+    if (team_rank() > 0) {
+        follow(s, cells);
+    } else {
+        lead(s, cells, count, record);
+        team_dismiss();
+    }
+    team_share(cells, count * sizeof(*cells));   /* what comes next depends on them */
 }

@@ -7,6 +7,7 @@
 
 #include "../firmware/link/crc32c.h"
 #include "map.h"
+#include "team.h"
 
 #define WIDTH_MIN 0.002          /* of --adaptive: a million realisations in the worst cell */
 
@@ -154,6 +155,9 @@ static void open_journal(map_run *m)
     const char *const outputs[3] = { m->opts.csv, m->opts.json, m->npy };
     const char *beside = 0;
 
+    if (team_rank() > 0) {
+        return;
+    }
     for (unsigned i = 0; i < 3; i++) {
         if (outputs[i]) {
             check_output(outputs[i]);

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "host.h"
+#include "team.h"
 
 const subcommand commands[] = {
     { "montecarlo", command_montecarlo, &montecarlo_help },
@@ -49,11 +50,14 @@ static int written(int status)
 static int run(int argc, char **argv)
 {
     const subcommand *const c = command_named(argv[1]);
+    int status;
 
     if (!c) {
         no_command(argv[1]);
     }
-    return written(c->run(argc - 2, argv + 2));
+    status = written(c->run(argc - 2, argv + 2));
+    team_end();
+    return status;
 }
 
 /* kelly --help, kelly help, kelly COMMAND ... --help, kelly help COMMAND: of that command, or of all. */
@@ -76,6 +80,9 @@ int main(int argc, char **argv)
 {
     const char *const error = kelly_table_error(&kelly_string);
 
+    if (team_rank() > 0 && !freopen("/dev/null", "w", stdout)) {   /* of several processes the first alone prints */
+        die(EXIT_FAILED, "/dev/null: cannot be opened: %s", strerror(errno));
+    }
     if (error) {
         die(EXIT_FAILED, "%s: %s", kelly_string.id, error);
     }

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "host.h"
+#include "team.h"
 
 /* An escape sequence ("1" bold, "0" plain, "31" red), or nothing where it does not belong: no terminal, NO_COLOR, a dumb one. */
 const char *ink(FILE *to, const char *code)
@@ -25,7 +26,7 @@ const char *ink(FILE *to, const char *code)
 
 int progress_wanted(const options *opts)
 {
-    return opts->progress == PROGRESS_JSON || (opts->progress == PROGRESS_AUTO && !opts->quiet && isatty(STDERR_FILENO));
+    return team_rank() == 0 && (opts->progress == PROGRESS_JSON || (opts->progress == PROGRESS_AUTO && !opts->quiet && isatty(STDERR_FILENO)));
 }
 
 /* "12345 of 1000000 (1.2 %), 190000/s, 5 s left" on a terminal; the same as an object where a program reads it. */
