@@ -197,8 +197,9 @@ int command_montecarlo(int argc, char **argv);
 int command_map(int argc, char **argv);
 int command_advise(int argc, char **argv);
 int command_merge(int argc, char **argv);
+int command_plan(int argc, char **argv);
 int command_manual(int argc, char **argv);
-extern const command_help modes_help, simulate_help, montecarlo_help, map_help, advise_help, merge_help, manual_help;
+extern const command_help modes_help, simulate_help, montecarlo_help, map_help, advise_help, merge_help, plan_help, manual_help;
 
 /* The paper's convergence function over the realisations of opts: writes value[i] at checkpoint n[i]; see convergence.c. */
 #define CHECKPOINTS_MAX 40

@@ -114,6 +114,11 @@ const char *json_find(const char *object, const char *names)
     return 0;
 }
 
+unsigned json_length(const char *value)
+{
+    return (unsigned)(skip_value(value, 0) - value);
+}
+
 static const char *wanted(const char *path, const char *object, const char *names)
 {
     const char *const value = json_find(object, names);

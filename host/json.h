@@ -10,6 +10,9 @@ char *json_load(const char *path);
 /* Value of a member, by names from the outermost object inwards ("case.cov.fc"), or 0. */
 const char *json_find(const char *object, const char *names);
 
+/* Characters of a value's text. */
+unsigned json_length(const char *value);
+
 /* The same of a kind, or exit 2 with the path of the file: a number, a whole number, a text (at most size - 1 bytes are copied). */
 double json_number(const char *path, const char *object, const char *names);
 uint64_t json_whole(const char *path, const char *object, const char *names, uint64_t most);

@@ -12,6 +12,7 @@ const subcommand commands[] = {
     { "map", command_map, &map_help },
     { "advise", command_advise, &advise_help },
     { "merge", command_merge, &merge_help },
+    { "plan", command_plan, &plan_help },
     { "manual", command_manual, &manual_help },
 };
 const unsigned command_count = sizeof(commands) / sizeof(commands[0]);

@@ -57,6 +57,9 @@ static void start(void)
     if (running) {
         return;
     }
+    if (team_rank() == 0) {
+        signal(SIGTERM, on_terminate);
+    }
     if (MPI_Init_thread(0, 0, MPI_THREAD_FUNNELED, &provided) != MPI_SUCCESS || provided < MPI_THREAD_FUNNELED) {
         die(EXIT_FAILED, "MPI cannot be started with threads");
     }
@@ -65,9 +68,6 @@ static void start(void)
     if ((unsigned)rank != team_rank() || (unsigned)size != team_others() + 1) {
         die(EXIT_FAILED, "MPI counts rank %d of %d, the environment %u of %u; start with the mpirun of the library that this was built with",
             rank, size, team_rank(), team_others() + 1);
-    }
-    if (rank == 0) {
-        signal(SIGTERM, on_terminate);
     }
 }
 

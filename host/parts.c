@@ -99,11 +99,10 @@ static _Noreturn void refuse_case(const part *p, const part *base)
         here = json_find(p->text, name);
         there = json_find(base->text, name);
         if (here && there) {
-            const int n = (int)strcspn(here, *here == '[' ? "\n" : ",}\n"), m = (int)strcspn(there, *there == '[' ? "\n" : ",}\n");
+            const unsigned n = json_length(here), m = json_length(there);
 
-            if (n != m || strncmp(here, there, (size_t)n) != 0) {
-                die(EXIT_USAGE, "%s: of another run: %s %.*s, in %s %.*s", p->given, names[k], *here == '[' ? (int)strcspn(here, "]") + 1 : n, here,
-                    base->given, *there == '[' ? (int)strcspn(there, "]") + 1 : m, there);
+            if (n != m || strncmp(here, there, n) != 0) {
+                die(EXIT_USAGE, "%s: of another run: %s %.*s, in %s %.*s", p->given, names[k], (int)n, here, base->given, (int)m, there);
             }
         }
     }
