@@ -39,13 +39,17 @@ unsigned team_others(void)
     return size > 0 ? size - 1 : 0;
 }
 
+static void (*terminate_before)(int);   /* removes what is half-written */
+
 /* mpirun ends all ranks when one is lost. */
 static void on_terminate(int signal_number)
 {
     static const char text[] = "kelly: ended from outside, or another rank was lost; what the journal holds is sound, go on with --resume\n";
 
-    (void)signal_number;
     (void)!write(STDERR_FILENO, text, sizeof(text) - 1);
+    if (terminate_before != SIG_DFL && terminate_before != SIG_IGN) {
+        terminate_before(signal_number);
+    }
     _exit(EXIT_FAILED);
 }
 
@@ -58,7 +62,7 @@ static void start(void)
         return;
     }
     if (team_rank() == 0) {
-        signal(SIGTERM, on_terminate);
+        terminate_before = signal(SIGTERM, on_terminate);
     }
     if (MPI_Init_thread(0, 0, MPI_THREAD_FUNNELED, &provided) != MPI_SUCCESS || provided < MPI_THREAD_FUNNELED) {
         die(EXIT_FAILED, "MPI cannot be started with threads");
