@@ -158,9 +158,10 @@ static void write_csv(outcome *out, const part *parts, unsigned count, const cha
 
 /* ---- the command --------------------------------------------------------------------------------------------------------- */
 
-static int is_option_with_value(const char *argument)
+/* What follows is its value, not a file. */
+static int takes_next(const char *argument)
 {
-    return strcmp(argument, "--csv") == 0 || strcmp(argument, "--json") == 0 || strcmp(argument, "--progress") == 0;
+    return strncmp(argument, "--", 2) == 0 && !strchr(argument, '=') && strcmp(argument, "--quiet") != 0;
 }
 
 /* --csv belongs to ensembles in the shared parser, which this is not. */
@@ -182,7 +183,7 @@ static unsigned files_first(int argc, char **argv, char **sorted)
 
     for (int pass = 0; pass < 2; pass++) {
         for (int i = 0; i < argc; i++) {
-            const int option = strncmp(argv[i], "--", 2) == 0, two = option && is_option_with_value(argv[i]) && i + 1 < argc;
+            const int option = strncmp(argv[i], "--", 2) == 0, two = takes_next(argv[i]) && i + 1 < argc;
 
             if (option == pass) {
                 sorted[at++] = argv[i];
