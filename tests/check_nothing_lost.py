@@ -148,7 +148,19 @@ def check_faults(folder):
             else:
                 claim(hit.returncode == 1 and hit.stderr.startswith("kelly: ") and hit.stderr.count("\n") == 1,
                       f"any:{n}:{how}: exit {hit.returncode}, {hit.stderr!r}")
+            claim(n < 5 or place.results() == want or os.path.exists(place.journal), f"any:{n}:{how}: work is lost, {place.files()}")
             resumed(place, PIECES, want, f"any:{n}:{how}")
+            total += 1
+    # one kind of call alone fails: each failure is an error, and none is passed over
+    for kind in CALLS:
+        for n in range(1, calls):
+            place.empty()
+            hit = place.run(PIECES, fault=f"{kind}:{n}:eio", counted=counted)
+            if int(read(counted)) < n:
+                claim(hit.returncode == 0 and n > 1, f"{kind}: {n - 1} calls")
+                break
+            claim(hit.returncode == 1, f"{kind}:{n}:eio: exit {hit.returncode}")
+            resumed(place, PIECES, want, f"{kind}:{n}:eio")
             total += 1
     # and once more while it resumes: what the first fault left meets a second one
     for n in range(1, calls + 1):
@@ -187,6 +199,10 @@ def whole_journal(place, run, real="float"):
     return read(place.journal)
 
 
+def records(journal):
+    return [journal[at:at + RECORD] for at in range(HEADER, len(journal), RECORD)]
+
+
 def only(place, journal):
     place.empty()
     write(place.journal, journal)
@@ -206,6 +222,12 @@ def check_truncated(folder):
         whole = cut == 0 or (cut >= HEADER and (cut - HEADER) % RECORD == 0)
         said = resumed(place, SMALL, want, f"cut to {cut} bytes", quiet=whole)[1]
         claim(whole or "torn" in said, f"cut to {cut} bytes: {said!r}")
+    # what is appended behind a torn tail is sound: a second interruption finds all of it
+    for cut in (50, HEADER + 20, HEADER + 5 * RECORD + 11, len(journal) - 1):
+        only(place, journal[:cut])
+        place.run(SMALL + " --resume", fault="unlink:1:kill")
+        again = read(place.journal) if os.path.exists(place.journal) else b""
+        claim(sorted(records(again)) == sorted(records(journal)) and again[:HEADER] == journal[:HEADER], f"cut to {cut} bytes and interrupted again: {len(again)} bytes")
     for k in range(20):
         bad = bytearray(journal)
         bad[HEADER + k * RECORD + (7 * k) % RECORD] ^= 1 << k % 8
@@ -218,12 +240,11 @@ def check_order(folder):
     place, draws = Place(folder, "order"), random.Random(1)
     want = place.alone(SMALL)
     journal = whole_journal(place, SMALL)
-    records = [journal[at:at + RECORD] for at in range(HEADER, len(journal), RECORD)]
     for k in range(10):
-        some = draws.sample(records, draws.randrange(1, 21)) + draws.sample(records, 3)
+        some = draws.sample(records(journal), draws.randrange(1, 21)) + draws.sample(records(journal), 3)
         only(place, journal[:HEADER] + b"".join(some))
         resumed(place, SMALL, want, f"order {k}", quiet=True)
-    forged = bytearray(records[4])
+    forged = bytearray(records(journal)[4])
     forged[24] ^= 1                          # the lowest bit speed
     forged[-4:] = struct.pack("<I", crc32c(bytes(forged[:-4])))
     only(place, journal[:HEADER] + bytes(forged))
