@@ -20,7 +20,7 @@
 #if defined(__x86_64__) && defined(__GCC_IEC_559) && __GCC_IEC_559 < 2 && !defined(__clang__)   /* 0 for soft float as well */
 #error "kelly needs IEEE arithmetic: one of the flags relaxes it"
 #endif
-#if defined(__FLT_EVAL_METHOD__) && __FLT_EVAL_METHOD__ != 0
+#if defined(__FLT_EVAL_METHOD__) && __FLT_EVAL_METHOD__ != 0 && __FLT_EVAL_METHOD__ != 16   /* 16: _Float16 in its own range, float in float */
 #error "kelly needs FLT_EVAL_METHOD 0: on 32-bit x86 build with -msse2 -mfpmath=sse"
 #endif
 
