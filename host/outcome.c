@@ -1,0 +1,258 @@
+/* outcome.c - what an ensemble came to: counts as they come in, a line a realisation, JSON, a summary. */
+#include <string.h>
+#include <time.h>
+
+#include "outcome.h"
+
+#define SHOWN 12u                /* refused realisations that are named on the terminal */
+#define DIGITS (sizeof(real) > sizeof(float) ? 17 : 9)
+
+static const char *const status_names[KELLY_STATUSES] = { "ok", "step", "range", "nonfinite" };
+
+static void write_result(FILE *to, uint32_t index, const kelly_result *r)
+{
+    const kelly_draw *const d = &r->draw;
+
+    fprintf(to, "%u,%.*g,%.*g,%.*g,%.*g,%.*g,", index, DIGITS, (double)d->fc / 1000.0, DIGITS, (double)d->mu, DIGITS, (double)d->a1,
+            DIGITS, (double)d->a2, DIGITS, (double)d->w0 / RPM);
+    if (r->status == KELLY_OK) {
+        fprintf(to, "%.*g,%.*g,%.*g,%.*g,%u,ok,%u\n", DIGITS, (double)r->lowest / RPM, DIGITS, (double)r->highest / RPM,
+                DIGITS, (double)r->mean / RPM, DIGITS, (double)r->ss, r->stuck, r->liftoff);
+    } else {
+        fprintf(to, ",,,,0,%s,%u\n", status_names[r->status], r->liftoff);
+    }
+}
+
+/* The field's definition beside the paper's: a bit that does not get on at all (mean <= 0) is stuck in both. */
+static uint32_t stuck_by_ssi(const outcome *out, const kelly_result *r)
+{
+    return r->status == KELLY_OK && (r->mean <= 0 || kelly_ssi(r->lowest, r->highest, r->mean) > out->opts->run.limit);
+}
+
+void outcome_take(void *context, uint32_t first, uint32_t count, const void *results)
+{
+    outcome *const out = context;
+    const kelly_result *const r = results;
+
+    for (uint32_t i = 0; i < count && !out->until.enough; i++) {
+        const uint32_t refused = kelly_refused(&out->tally);
+
+        if (r[i].status != KELLY_OK && refused < LISTED) {
+            out->refused[refused] = first + i;
+            out->why[refused] = r[i].status;
+        }
+        kelly_tally_add(&out->tally, first + i, &r[i]);
+        out->stuck_ssi += stuck_by_ssi(out, &r[i]);
+        if (out->opts->csv) {
+            write_result(out->csv.stream, first + i, &r[i]);
+        }
+        (void)until_look(&out->until, &out->tally);
+    }
+}
+
+static uint32_t listed(const outcome *out)
+{
+    const uint32_t refused = kelly_refused(&out->tally);
+
+    return refused < LISTED ? refused : LISTED;
+}
+
+static void write_case(FILE *to, const outcome *out)
+{
+    const kelly_case *const run = &out->opts->run;
+
+    fprintf(to, "  \"case\": {\"rpm\": %.9g, \"wob_kN\": %.9g, \"mu\": %.9g, \"alpha1\": %.9g, \"alpha2\": %.9g, \"f0_kN\": %.9g, \"start\": \"%s\", "
+            "\"duration_s\": %.9g, \"window_s\": [%.9g, %.9g], \"step_s\": %.9g, \"limit\": %.9g, \"torsional\": %u,\n",
+            (double)run->w0 / RPM, (double)run->fc / 1000.0, (double)run->mu, (double)run->a1, (double)run->a2, (double)run->f0 / 1000.0,
+            run->rotating ? "rotating" : "rest", case_seconds(run, run->ticks), case_seconds(run, run->window_first),
+            case_seconds(run, run->window_last), case_seconds(run, 1), (double)run->limit, run->torsional);
+    fprintf(to, "           \"cov\": {\"fc\": %.9g, \"mu\": %.9g, \"a1\": %.9g, \"a2\": %.9g, \"rpm\": %.9g}},\n",
+            (double)run->cov[0], (double)run->cov[1], (double)run->cov[2], (double)run->cov[3], (double)run->cov[4]);
+}
+
+static void write_refused(FILE *to, const outcome *out)
+{
+    fprintf(to, "  \"refused_by\": {\"step\": %u, \"range\": %u, \"nonfinite\": %u},\n  \"refused_first\": [", out->tally.status[KELLY_STEP],
+            out->tally.status[KELLY_RANGE], out->tally.status[KELLY_NONFINITE]);
+    for (uint32_t i = 0; i < listed(out); i++) {
+        fprintf(to, "%s[%u, \"%s\"]", i ? ", " : "", out->refused[i], status_names[out->why[i]]);
+    }
+    fputs("],\n", to);
+}
+
+static void write_convergence(FILE *to, const convergence_table *table)
+{
+    fputs("  \"convergence\": [", to);
+    for (unsigned i = 0; i < table->count; i++) {
+        fprintf(to, "%s[%u, %.17g]", i ? ", " : "", table->n[i], table->value[i]);
+    }
+    fputs("],\n", to);
+}
+
+/* Counted, refused and limit as for ss; only the measure differs. */
+static void write_ssi(FILE *to, const outcome *out)
+{
+    const uint32_t counted = out->tally.samples - kelly_refused(&out->tally);
+
+    fputs("  \"ssi\": {\"severity\": \"SSI = (max - min)/(2 mean)\", \"probability\": ", to);
+    if (counted > 0) {
+        fprintf(to, "%.17g", (double)out->stuck_ssi / counted);
+    } else {
+        fputs("null", to);
+    }
+    fprintf(to, ", \"stuck\": %u},\n", out->stuck_ssi);
+}
+
+static void write_json(FILE *to, const outcome *out, double lo, double hi)
+{
+    const kelly_tally *const t = &out->tally;
+
+    fputs("{\n", to);
+    if (t->samples > kelly_refused(t)) {
+        fprintf(to, "  \"probability\": %.17g,\n", (double)kelly_probability(t));
+    } else {
+        fputs("  \"probability\": null,\n", to);
+    }
+    fprintf(to, "  \"ci95\": [%.17g, %.17g],\n  \"samples\": %u,\n  \"stuck\": %u,\n  \"refused\": %u,\n  \"liftoff\": %u,\n", lo, hi,
+            t->samples, t->stuck, kelly_refused(t), t->liftoff);
+    fprintf(to, "  \"severity\": \"ss = (max - min)/(max + min)\",\n");
+    write_ssi(to, out);
+    fprintf(to, "  \"seed\": %llu,\n  \"first\": %u,\n  \"digest\": \"%08x\",\n  \"real\": \"%s\",\n  \"model\": \"%s\",\n",
+            (unsigned long long)out->opts->seed, out->opts->first, t->digest, sizeof(real) > 4 ? "double" : "float", kelly_string.id);
+    write_refused(to, out);
+    until_write(to, &out->until, out->asked);
+    if (out->opts->convergence) {
+        write_convergence(to, &out->convergence);
+    }
+    write_case(to, out);
+    if (out->more) {
+        out->more(to, out->more_of);
+    }
+    fprintf(to, "  \"engine\": \"%s\",\n  \"seconds\": %.6f\n}\n", out->engine, out->seconds);
+}
+
+static void print_case(const outcome *out)
+{
+    const kelly_case *const run = &out->opts->run;
+
+    printf("%s, %.6g rpm, %.6g kN, f0 %.6g kN, mu %.6g, alpha1 %.6g, alpha2 %.6g, start %s, window %.6g:%.6g s, step %.6g s\n", kelly_string.id,
+           (double)run->w0 / RPM, (double)run->fc / 1000.0, (double)run->f0 / 1000.0, (double)run->mu, (double)run->a1, (double)run->a2,
+           run->rotating ? "rotating" : "rest", case_seconds(run, run->window_first), case_seconds(run, run->window_last),
+           case_seconds(run, 1));
+}
+
+/* Red where stick-slip is the likelier, green where it is certain to be rare, yellow between. */
+static const char *colour(double lo, double hi)
+{
+    return lo > 0.5 ? "31" : hi < 0.05 ? "32" : "33";
+}
+
+/* What a reader of the one number must know. */
+static void warn(const outcome *out)
+{
+    const kelly_tally *const t = &out->tally;
+    kelly_draw nominal;
+    kelly_modes modes;
+
+    if (t->liftoff > t->samples / 100) {
+        printf("warning: in %u of %u the weight would change its sign (|fc| < 1.01 f0): the bit would lift off, which this model leaves out\n",
+               t->liftoff, t->samples);
+    }
+    kelly_draw_nominal(&out->opts->run, &nominal);
+    if (t->status[KELLY_STEP] > t->samples / 100 && kelly_realise(&kelly_string, &out->opts->run, &nominal, &modes) != KELLY_RANGE) {
+        if (case_seconds(&out->opts->run, 1) < (double)kelly_smallest_step(&modes)) {
+            printf("warning: the step is too short for this precision, whose rounding would drown the slowest mode; give at least %.6g s\n",
+                   (double)kelly_smallest_step(&modes));
+            return;
+        }
+        printf("warning: the step is too long for %u of %u; the nominal case allows %.6f s, its tails about a third of that\n", t->status[KELLY_STEP],
+               t->samples, (double)kelly_largest_step(&kelly_string, &out->opts->run, &nominal, &modes));
+    }
+}
+
+static void print_outcome(const outcome *out, double lo, double hi)
+{
+    const kelly_tally *const t = &out->tally;
+    const uint32_t counted = t->samples - kelly_refused(t);
+    const int digits = hi - lo > 1e-3 ? 4 : hi - lo > 1e-5 ? 6 : 8;   /* as many as the interval's width needs */
+
+    print_case(out);
+    if (counted > 0) {
+        printf("P(stick-slip) = %s%.*f%s   95 %% interval %.*f .. %.*f   (%u of %u with ss > %.6g)\n", ink(stdout, colour(lo, hi)), digits,
+               (double)kelly_probability(t), ink(stdout, "0"), digits, lo, digits, hi, t->stuck, counted, (double)out->opts->run.limit);
+        printf("ss = (max - min)/(max + min) of the bit speed, the paper's; by the field's SSI = (max - min)/(2 mean) > %.6g: P = %.4f (%u of %u)\n",
+               (double)out->opts->run.limit, (double)out->stuck_ssi / counted, out->stuck_ssi, counted);
+    } else {
+        printf("P(stick-slip) is unknown: every realisation was refused   95 %% interval %.4f .. %.4f\n", lo, hi);
+    }
+    printf("refused %u (step %u, range %u, nonfinite %u), lift-off %u, seed %llu, first %u, digest %08x, %s, %s, %.2f s\n", kelly_refused(t),
+           t->status[KELLY_STEP], t->status[KELLY_RANGE], t->status[KELLY_NONFINITE], t->liftoff, (unsigned long long)out->opts->seed,
+           out->opts->first, t->digest, sizeof(real) > 4 ? "double" : "float", out->engine, out->seconds);
+    until_print(&out->until, t->samples);
+    warn(out);
+    for (uint32_t i = 0; i < listed(out) && i < SHOWN; i++) {
+        printf("%s%u (%s)", i ? ", " : "refused: ", out->refused[i], status_names[out->why[i]]);
+    }
+    if (listed(out) > 0) {
+        puts(kelly_refused(t) > SHOWN ? ", ... (all with --csv)" : "");
+    }
+    for (unsigned i = 0; i < out->convergence.count; i++) {
+        printf("conv(%u) = %.6g m2 s\n", out->convergence.n[i], out->convergence.value[i]);
+    }
+    if (out->envelope.times > 0) {
+        printf("envelope, traces: %u realisations at %u times, in %.1f MB of memory\n", out->envelope.used, out->envelope.times,
+               out->envelope.bytes / 1e6);
+    }
+}
+
+/* What is looked at as one goes has an interval of its own kind. */
+static void interval(const outcome *out, double *lo, double *hi)
+{
+    kelly_interval(&out->tally, lo, hi);
+    if (out->until.rule.alpha > 0) {
+        *lo = (double)out->until.lo;
+        *hi = (double)out->until.hi;
+    }
+}
+
+static double now(void)
+{
+    struct timespec t;
+
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+void outcome_open(outcome *out, const options *opts, const char *engine)
+{
+    out->opts = opts;
+    out->asked = opts->samples;
+    out->engine = engine;
+    out->start = now();
+    if (opts->csv) {
+        outfile_open(&out->csv, opts->csv);
+        fputs("index,fc_kN,mu,alpha1,alpha2,rpm,bit_min_rpm,bit_max_rpm,bit_mean_rpm,ss,stuck,status,liftoff\n", out->csv.stream);
+    }
+    if (opts->json) {
+        outfile_open(&out->json, opts->json);
+    }
+}
+
+void outcome_close(outcome *out)
+{
+    const options *const opts = out->opts;
+    double lo, hi;
+
+    out->seconds = now() - out->start;
+    interval(out, &lo, &hi);
+    if (opts->json) {
+        write_json(out->json.stream, out, lo, hi);
+        outfile_close(&out->json);
+    }
+    if (opts->csv) {
+        outfile_close(&out->csv);
+    }
+    if (!opts->quiet && !(opts->json && strcmp(opts->json, "-") == 0) && !(opts->csv && strcmp(opts->csv, "-") == 0)) {
+        print_outcome(out, lo, hi);
+    }
+}

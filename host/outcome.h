@@ -1,0 +1,36 @@
+/* outcome.h - what an ensemble came to, whoever ran it: the files, the JSON and the summary of montecarlo. */
+#ifndef KELLY_OUTCOME_H
+#define KELLY_OUTCOME_H
+
+#include "host.h"
+
+#define LISTED 100u              /* refused realisations that are named one by one in the JSON */
+
+/* Start from zeros; `envelope`, `until`, `more` and `convergence` are the caller's, the rest is not to be touched. */
+typedef struct {
+    const options *opts;
+    const char *engine;          /* who computed */
+    kelly_tally tally;
+    uint32_t asked;              /* --samples */
+    uint32_t stuck_ssi;          /* counted realisations whose SSI exceeds the limit */
+    outfile csv, json;
+    uint32_t refused[LISTED];
+    uint8_t why[LISTED];
+    double start, seconds;
+    convergence_table convergence;
+    envelope_request envelope;
+    until_request until;
+    void (*more)(FILE *to, const void *of);   /* further members of the JSON, each with its comma; or 0 */
+    const void *more_of;
+} outcome;
+
+/* Open the files that opts ask for; dies where one cannot be written. */
+void outcome_open(outcome *out, const options *opts, const char *engine);
+
+/* Take results of indices in increasing order: a batch_sink, its context an outcome. */
+void outcome_take(void *context, uint32_t first, uint32_t count, const void *results);
+
+/* Write what is left, close the files, print the summary. */
+void outcome_close(outcome *out);
+
+#endif
