@@ -58,7 +58,7 @@ static const option_help common_options[] = {
 
 static const option_group groups[] = {
     { "Case; the defaults are the well file's", TAKES_CASE, case_options },
-    { "Randomness", TAKES_ENSEMBLE | TAKES_SIMULATE, random_options },
+    { "Randomness", TAKES_ENSEMBLE | TAKES_SIMULATE | TAKES_BENCH, random_options },
     { "Ensemble", TAKES_ENSEMBLE, ensemble_options },
     { "Output", TAKES_SIMULATE, simulate_options },
     { "Result", TAKES_JSON, json_options },

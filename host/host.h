@@ -36,7 +36,7 @@ typedef struct {
 enum { PROGRESS_AUTO, PROGRESS_JSON, PROGRESS_NONE };
 
 /* Options that a subcommand takes, or'ed. */
-enum { TAKES_CASE = 1, TAKES_ENSEMBLE = 2, TAKES_SIMULATE = 4, TAKES_JSON = 8 };
+enum { TAKES_CASE = 1, TAKES_ENSEMBLE = 2, TAKES_SIMULATE = 4, TAKES_JSON = 8, TAKES_BENCH = 16 };
 
 /* A subcommand's own options: 1 if it knows this name and took the value, 0 if not; dies with exit 2 on a bad value. */
 typedef int (*more_options)(void *context, const char *name, const char *value);
@@ -200,9 +200,10 @@ int command_map(int argc, char **argv);
 int command_advise(int argc, char **argv);
 int command_sensitivity(int argc, char **argv);
 int command_whatif(int argc, char **argv);
+int command_bench(int argc, char **argv);
 int command_manual(int argc, char **argv);
 extern const command_help modes_help, simulate_help, montecarlo_help, map_help, advise_help, manual_help;
-extern const command_help sensitivity_help, whatif_help;
+extern const command_help sensitivity_help, whatif_help, bench_help;
 
 /* The paper's convergence function over the realisations of opts: writes value[i] at checkpoint n[i]; see convergence.c. */
 #define CHECKPOINTS_MAX 40

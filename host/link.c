@@ -91,7 +91,7 @@ static void lose(link_set *set, board *b, const char *why)
     leave(set, b, why);
 }
 
-static void greet_anew(link_set *set, board *b, const char *why)
+void link_greet(link_set *set, board *b, const char *why)
 {
     leave(set, b, why);
     greet(b);
@@ -150,7 +150,6 @@ static void take_greeting(link_set *set, board *b, const uint8_t *body, size_t s
     b->state = BOARD_READY;
     b->hellos = 0;
     b->ups++;
-    b->bad_there = 0;
     set->on.up(set->on.context, b);
 }
 
@@ -221,11 +220,11 @@ static void attend(link_set *set, board *b)
             greet(b);
         }
     } else if (b->state == BOARD_READY && b->patience > 0 && now - b->heard > b->patience) {
-        greet_anew(set, b, "the board fell silent");
+        link_greet(set, b, "the board fell silent");
     } else if (b->state == BOARD_READY) {
         ask_again(b, ANSWER_TIME);
         if (b->request_size > 0 && b->request_tries > TRIES_MOST) {
-            greet_anew(set, b, "the board does not answer");
+            link_greet(set, b, "the board does not answer");
         }
     }
 }

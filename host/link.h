@@ -61,6 +61,9 @@ void link_begin(link_set *set);
  * give_up seconds. */
 void link_wait(link_set *set, double seconds);
 
+/* Say hello anew to a board that is not where it should be: down, then up. */
+void link_greet(link_set *set, board *b, const char *why);
+
 /* Send a request and repeat it until something with its seq comes; one at a time. Returns the seq. */
 uint32_t board_ask(board *b, uint8_t type, const uint8_t *body, size_t size);
 

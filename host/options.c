@@ -231,20 +231,20 @@ static int parse_random(options *out, const char *name, const char *value, unsig
         option_covs(out->run.cov, value);
     } else if (strcmp(name, "--seed") == 0) {
         out->seed = option_whole(name, value, 0, UINT64_MAX, "a whole number 0..18446744073709551615");
-    } else if (takes & TAKES_SIMULATE && strcmp(name, "--sample") == 0) {
+    } else if (takes & (TAKES_SIMULATE | TAKES_BENCH) && strcmp(name, "--sample") == 0) {
         out->sample = (uint32_t)option_whole(name, value, 0, UINT32_MAX, "the index of a realisation, 0..4294967295");
         out->sample_given = 1;
-    } else if (takes & TAKES_SIMULATE && strcmp(name, "--out") == 0) {
+    } else if (takes & (TAKES_SIMULATE | TAKES_BENCH) && strcmp(name, "--out") == 0) {
         out->out = value;
     } else if (takes & TAKES_SIMULATE && strcmp(name, "--field") == 0) {
         out->field = value;
-    } else if (takes & TAKES_ENSEMBLE && strcmp(name, "--samples") == 0) {
+    } else if (takes & (TAKES_ENSEMBLE | TAKES_BENCH) && strcmp(name, "--samples") == 0) {
         out->samples = (uint32_t)option_whole(name, value, 1, UINT32_MAX, "a number of realisations, 1..4294967295");
-    } else if (takes & TAKES_ENSEMBLE && strcmp(name, "--first") == 0) {
+    } else if (takes & (TAKES_ENSEMBLE | TAKES_BENCH) && strcmp(name, "--first") == 0) {
         out->first = (uint32_t)option_whole(name, value, 0, UINT32_MAX, "the first index, 0..4294967295");
     } else if (takes & TAKES_ENSEMBLE && strcmp(name, "--threads") == 0) {
         out->threads = (unsigned)option_whole(name, value, 1, 1024, "a number of threads, 1..1024");
-    } else if (takes & TAKES_ENSEMBLE && strcmp(name, "--csv") == 0) {
+    } else if (takes & (TAKES_ENSEMBLE | TAKES_BENCH) && strcmp(name, "--csv") == 0) {
         out->csv = value;
     } else if (takes & TAKES_ENSEMBLE && strcmp(name, "--engine") == 0) {
         out->engine = value;
@@ -306,7 +306,7 @@ static int parse_one(options *out, times *when, int argc, char **argv, unsigned 
         die(EXIT_USAGE, "%s: needs a value; see kelly %s --help", name, command);
     }
     known = parse_common(out, name, value) || (takes & TAKES_CASE && parse_case(out, when, name, value)) ||
-            (takes & (TAKES_ENSEMBLE | TAKES_SIMULATE) && parse_random(out, name, value, takes));
+            (takes & (TAKES_ENSEMBLE | TAKES_SIMULATE | TAKES_BENCH) && parse_random(out, name, value, takes));
     if (!known && takes & TAKES_JSON && strcmp(name, "--json") == 0) {
         out->json = value;
         known = 1;

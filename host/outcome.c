@@ -238,6 +238,11 @@ void outcome_open(outcome *out, const options *opts, const char *engine)
     }
 }
 
+int outcome_speaks(const options *opts)
+{
+    return !opts->quiet && !(opts->json && strcmp(opts->json, "-") == 0) && !(opts->csv && strcmp(opts->csv, "-") == 0);
+}
+
 void outcome_close(outcome *out)
 {
     const options *const opts = out->opts;
@@ -252,7 +257,7 @@ void outcome_close(outcome *out)
     if (opts->csv) {
         outfile_close(&out->csv);
     }
-    if (!opts->quiet && !(opts->json && strcmp(opts->json, "-") == 0) && !(opts->csv && strcmp(opts->csv, "-") == 0)) {
+    if (outcome_speaks(opts)) {
         print_outcome(out, lo, hi);
     }
 }

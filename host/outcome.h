@@ -30,6 +30,9 @@ void outcome_open(outcome *out, const options *opts, const char *engine);
 /* Take results of indices in increasing order: a batch_sink, its context an outcome. */
 void outcome_take(void *context, uint32_t first, uint32_t count, const void *results);
 
+/* Whether a summary is wanted on stdout: no --quiet, and stdout is not one of the files. */
+int outcome_speaks(const options *opts);
+
 /* Write what is left, close the files, print the summary. */
 void outcome_close(outcome *out);
 
