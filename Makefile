@@ -238,8 +238,9 @@ readme: $(dir)/kelly size                     ## the tables of the README from r
 convergence:                                  ## how many elements and modes are enough for WELL (some 40 s)
 	@$(with_python) gen '$(WELL)' --convergence
 
-tables:                                       ## regenerate firmware/tables from gen/wells/paper.toml (needs numpy)
+tables:                                       ## regenerate firmware/tables from gen/wells/paper.toml (needs numpy), and the messages of the link
 	$(PYTHON) gen gen/wells/paper.toml --out firmware/tables
+	$(PYTHON) gen/protocol.py
 
 clean:                                        ## remove build/
 	rm -rf build

@@ -1,0 +1,132 @@
+#include "frame.h"
+#include "crc32c.h"
+
+#define GROUP 255u                       /* the code of 254 bytes that no 00 follows */
+
+static uint32_t word_at(const uint8_t *at)
+{
+    return (uint32_t)at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
+}
+
+static void set_word(uint8_t *at, uint32_t value)
+{
+    for (unsigned k = 0; k < 4; k++) {
+        at[k] = (uint8_t)(value >> (8 * k));
+    }
+}
+
+size_t kelly_cobs(uint8_t *to, const uint8_t *from, size_t n)
+{
+    size_t code_at = 0, at = 1;
+
+    for (size_t i = 0; i < n; i++) {
+        const uint8_t byte = from[i];
+
+        if (at - code_at == GROUP) {     /* full; closed only now, for a full last group needs no other behind it */
+            to[code_at] = (uint8_t)GROUP;
+            code_at = at++;
+        }
+        if (byte != 0) {
+            to[at++] = byte;
+        } else {
+            to[code_at] = (uint8_t)(at - code_at);
+            code_at = at++;
+        }
+    }
+    to[code_at] = (uint8_t)(at - code_at);
+    return at;
+}
+
+size_t kelly_frame(uint8_t wire[KELLY_WIRE_MAX], uint8_t type, uint32_t seq, const uint8_t *body, size_t size)
+{
+    uint8_t *const payload = wire + KELLY_WIRE_BODY - 5u;   /* as far behind the packed bytes as COBS may need */
+    size_t packed;
+
+    if (size > KELLY_FRAME_MAX - KELLY_FRAME_MIN) {
+        return 0;
+    }
+    payload[0] = type;
+    set_word(payload + 1, seq);
+    for (size_t i = 0; i < size; i++) {
+        payload[5 + i] = body[i];
+    }
+    set_word(payload + 5 + size, kelly_crc32c(0, payload, 5 + size));
+    wire[0] = 0;
+    packed = kelly_cobs(wire + 1, payload, size + KELLY_FRAME_MIN);
+    wire[1 + packed] = 0;
+    return packed + 2u;
+}
+
+static int drop(kelly_receiver *receiver, uint8_t inside)
+{
+    receiver->bad++;
+    receiver->inside = inside;
+    return -1;
+}
+
+/* 00: the end of a frame, or of what was none. */
+static int finish(kelly_receiver *receiver)
+{
+    const uint8_t begun = receiver->inside && receiver->code != 0, broken = receiver->left != 0;
+    const size_t size = receiver->size;
+
+    receiver->inside = 1;
+    receiver->code = receiver->left = 0;
+    receiver->fresh = 1;
+    if (!begun) {
+        return 0;
+    }
+    if (broken || size < KELLY_FRAME_MIN || word_at(receiver->payload + size - 4) != kelly_crc32c(0, receiver->payload, size - 4)) {
+        return drop(receiver, 1);
+    }
+    receiver->good++;
+    return (int)(size - KELLY_FRAME_MIN) + 1;
+}
+
+static int append(kelly_receiver *receiver, uint8_t byte)
+{
+    if (receiver->size == KELLY_FRAME_MAX) {
+        return drop(receiver, 0);
+    }
+    receiver->payload[receiver->size++] = byte;
+    return 0;
+}
+
+int kelly_receive(kelly_receiver *receiver, uint8_t byte)
+{
+    const uint8_t last = receiver->code;
+
+    if (byte == 0) {
+        return finish(receiver);
+    }
+    if (!receiver->inside) {
+        return 0;
+    }
+    if (receiver->fresh) {
+        receiver->fresh = 0;
+        receiver->size = 0;
+    }
+    if (receiver->left > 0) {
+        receiver->left--;
+        return append(receiver, byte);
+    }
+    receiver->code = byte;
+    receiver->left = (uint8_t)(byte - 1u);
+    return last != 0 && last != GROUP ? append(receiver, 0) : 0;
+}
+
+uint8_t kelly_received_type(const kelly_receiver *receiver)
+{
+    return receiver->payload[0];
+}
+
+uint32_t kelly_received_seq(const kelly_receiver *receiver)
+{
+    return word_at(receiver->payload + 1);
+}
+
+const uint8_t *kelly_received_body(const kelly_receiver *receiver, size_t *size)
+{
+    *size = receiver->size - KELLY_FRAME_MIN;
+    return receiver->payload + 5;
+}
