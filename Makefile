@@ -109,7 +109,7 @@ sse2_flags := -msse2 -DKELLY_VECTORS=6 -DKELLY_WIDTH=$(if $(real_flag),2,4)
 avx2_flags := -mavx2 -mno-fma -DKELLY_VECTORS=6 -DKELLY_WIDTH=$(if $(real_flag),4,8)
 avx512_flags := -mavx512f -mavx512dq -mavx512vl -mprefer-vector-width=512 -mno-fma -DKELLY_VECTORS=4 -DKELLY_WIDTH=$(if $(real_flag),8,16)
 vector_flags := -DKELLY_VECTORS=4 -DKELLY_WIDTH=$(if $(real_flag),2,4)
-lane_files := integrator block ensemble
+lane_files := integrator block drive drive_block ensemble
 
 library := $(kernel:%=$(dir)/%.o) $(foreach e,$(engines),$(lane_files:%=$(dir)/$(e)/%.o))
 host_objects := $(patsubst host/%.c,$(dir)/host/%.o,$(wildcard host/*.c))
@@ -147,11 +147,13 @@ endif
 unit_objects := $(patsubst tests/%.c,$(dir)/tests/%.o,tests/main.c tests/check.c tests/fixture.c tests/textbook.c $(wildcard tests/test_*.c))
 engine_objects := $(dir)/host/engine.o $(dir)/host/files.o
 
-unit: $(dir)/unit $(dir)/lanes $(dir)/accuracy
+unit: $(dir)/unit $(dir)/lanes $(dir)/accuracy $(dir)/drive-numbers
 
 $(dir)/unit: $(unit_objects) $(library) $(table_objects)
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -o $@
 $(dir)/lanes: $(dir)/tests/host_lanes.o $(dir)/tests/check.o $(engine_objects) $(library) $(table_objects)
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -o $@
+$(dir)/drive-numbers: $(dir)/tests/host_drive.o $(library) $(table_objects)
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -o $@
 $(dir)/accuracy: $(dir)/tests/host_accuracy.o $(dir)/detmath.o $(dir)/random.o
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -lm -o $@

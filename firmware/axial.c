@@ -50,22 +50,29 @@ static real acceleration(const kelly_axial *axial, unsigned j, real f, real p, r
     return axial->b[j] * f - axial->c[j] * v - axial->w2[j] * p;
 }
 
-void kelly_axial_step(kelly_axial *axial, uint32_t tick)
+void kelly_axial_push(kelly_axial *axial, const real f[4])
 {
-    const uint64_t phase = axial->phase_step * tick;
     const real h = axial->h, half = R(0.5) * h;
-    const real f1 = force(axial, phase), f2 = force(axial, phase + axial->phase_step / 2), f4 = force(axial, phase + axial->phase_step);
 
     for (unsigned j = 0; j < axial->count; j++) {
         const real p = axial->p[j], v = axial->v[j];
-        const real a1 = acceleration(axial, j, f1, p, v), v2 = v + half * a1;
-        const real a2 = acceleration(axial, j, f2, p + half * v, v2), v3 = v + half * a2;
-        const real a3 = acceleration(axial, j, f2, p + half * v2, v3), v4 = v + h * a3;
-        const real a4 = acceleration(axial, j, f4, p + h * v3, v4);
+        const real a1 = acceleration(axial, j, f[0], p, v), v2 = v + half * a1;
+        const real a2 = acceleration(axial, j, f[1], p + half * v, v2), v3 = v + half * a2;
+        const real a3 = acceleration(axial, j, f[2], p + half * v2, v3), v4 = v + h * a3;
+        const real a4 = acceleration(axial, j, f[3], p + h * v3, v4);
 
         axial->p[j] = p + h / R(6.0) * ((v + v4) + 2 * (v2 + v3));
         axial->v[j] = v + h / R(6.0) * ((a1 + a4) + 2 * (a2 + a3));
     }
+}
+
+void kelly_axial_step(kelly_axial *axial, uint32_t tick)
+{
+    const uint64_t phase = axial->phase_step * tick;
+    const real middle = force(axial, phase + axial->phase_step / 2);
+    const real f[4] = { force(axial, phase), middle, middle, force(axial, phase + axial->phase_step) };
+
+    kelly_axial_push(axial, f);
 }
 
 real kelly_axial_speed(const kelly_axial *axial)

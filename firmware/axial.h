@@ -30,6 +30,9 @@ real kelly_axial_largest_step(const kelly_table *table, const kelly_case *run, c
 /* One RK4 step from tick `tick` to the next. */
 void kelly_axial_step(kelly_axial *axial, uint32_t tick);
 
+/* One RK4 step under these forces f_a [N] of its four stages: for a top whose phase is not w0 t. */
+void kelly_axial_push(kelly_axial *axial, const real f[4]);
+
 /* Axial bit speed [m/s]: sum b_j p_j'. */
 real kelly_axial_speed(const kelly_axial *axial);
 

@@ -1,6 +1,6 @@
 /* isa.h - the same source compiled for several vector units in one program.
  *
- * A host build compiles integrator.c, block.c and ensemble.c once plainly (one lane, as on a target) and once for each vector
+ * A host build compiles integrator.c, block.c, drive.c, drive_block.c and ensemble.c once plainly (one lane, as on a target) and once for each vector
  * unit with -DKELLY_ISA=name; the external names of those copies get the name as a suffix. host/engine.c picks the
  * widest unit that the processor has. A target build has no KELLY_ISA and no suffix.
  */
@@ -27,6 +27,22 @@
 #define kelly_block_twist KELLY_JOIN(kelly_block_twist, KELLY_ISA)
 #define kelly_block_sane KELLY_JOIN(kelly_block_sane, KELLY_ISA)
 #define kelly_block_sine KELLY_JOIN(kelly_block_sine, KELLY_ISA)
+#define kelly_driven_clear KELLY_JOIN(kelly_driven_clear, KELLY_ISA)
+#define kelly_driven_load KELLY_JOIN(kelly_driven_load, KELLY_ISA)
+#define kelly_driven_advance KELLY_JOIN(kelly_driven_advance, KELLY_ISA)
+#define kelly_driven_ramp KELLY_JOIN(kelly_driven_ramp, KELLY_ISA)
+#define kelly_driven_hold KELLY_JOIN(kelly_driven_hold, KELLY_ISA)
+#define kelly_driven_weigh KELLY_JOIN(kelly_driven_weigh, KELLY_ISA)
+#define kelly_driven_resync KELLY_JOIN(kelly_driven_resync, KELLY_ISA)
+#define kelly_driven_outputs KELLY_JOIN(kelly_driven_outputs, KELLY_ISA)
+#define kelly_driven_watch KELLY_JOIN(kelly_driven_watch, KELLY_ISA)
+#define kelly_driven_speed KELLY_JOIN(kelly_driven_speed, KELLY_ISA)
+#define kelly_driven_extremes KELLY_JOIN(kelly_driven_extremes, KELLY_ISA)
+#define kelly_driven_modal KELLY_JOIN(kelly_driven_modal, KELLY_ISA)
+#define kelly_driven_twist KELLY_JOIN(kelly_driven_twist, KELLY_ISA)
+#define kelly_driven_sane KELLY_JOIN(kelly_driven_sane, KELLY_ISA)
+#define kelly_driven_top_speed KELLY_JOIN(kelly_driven_top_speed, KELLY_ISA)
+#define kelly_driven_top_torque KELLY_JOIN(kelly_driven_top_torque, KELLY_ISA)
 #define kelly_run KELLY_JOIN(kelly_run, KELLY_ISA)
 #define kelly_run_begin KELLY_JOIN(kelly_run_begin, KELLY_ISA)
 #define kelly_run_advance KELLY_JOIN(kelly_run_advance, KELLY_ISA)

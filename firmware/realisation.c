@@ -11,6 +11,12 @@ static int positive(real x)
     return x > 0 && x < R(1e30);   /* false for a NaN */
 }
 
+static int drive_in_range(const kelly_drive *drive)
+{
+    return drive->inertia >= R(1.0) && drive->inertia <= R(1e12) && drive->impedance > 0 && drive->impedance <= R(1e12) &&
+           drive->hz > 0 && drive->hz <= R(1e3);   /* false for a NaN */
+}
+
 static int covs_in_range(const kelly_case *run)
 {
     for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
@@ -40,6 +46,9 @@ const char *kelly_case_error(const kelly_table *table, const kelly_case *run)
     }
     if (run->ticks == 0 || run->window_first >= run->window_last || run->window_last > run->ticks) {
         return "the window must be a part of the run";
+    }
+    if (!(run->drive.inertia == 0) && !drive_in_range(&run->drive)) {
+        return "a soft drive needs an inertia of at least 1 kg m2, an impedance and a frequency above 0";
     }
     if (run->torsional < 1 || run->torsional > table->torsional || run->axial < 1 || run->axial > table->axial) {
         return "the table does not carry so many modes";
@@ -82,18 +91,65 @@ real kelly_step_seconds(const kelly_case *run)
     return (real)run->step_ns / R(1000000000.0);   /* both exact in float for whole microseconds: one rounding */
 }
 
-/* Fastest rates of a realisation: lambda [1/s] and the square of the highest frequency [rad2/s2]. */
-static void fastest(const kelly_table *table, const kelly_case *run, const kelly_draw *draw, const kelly_modes *modes,
-                    real *lambda, real *w2)
+/* What the modes leave of the string to the top, and what a soft drive makes of it. Stiff: all zero but `stiffer`. */
+typedef struct {
+    real yield;                  /* (1 - sum d b)^2 / s, s = J_d + J - sum d^2 [1 / kg m2] */
+    real held;                   /* 4 Z / s [1/s] */
+    real stiffer;                /* 1 + sum d^2 / s */
+    real swing;                  /* k_i / s [1/s2] */
+} softness;
+
+static void soften(const kelly_table *table, const kelly_drive *drive, const kelly_modes *modes, softness *soft)
 {
-    real sum_g = 0, top = 0;
+    const real turn = 2 * KELLY_PI * drive->hz;
+    real rest = R(1.0), d2 = 0, rotor;
 
     for (unsigned i = 0; i < modes->count; i++) {
-        sum_g = sum_g + modes->b[i] * modes->b[i];
-        top = modes->w2[i] > top ? modes->w2[i] : top;
+        rest = rest - modes->d[i] * modes->b[i];
+        d2 = d2 + modes->d[i] * modes->d[i];
     }
-    *lambda = draw->mu * (draw->fc + run->f0) * (R(1.0) + draw->a1) * sum_g + table->beta * top;
-    *w2 = top;
+    rotor = drive->inertia + (table->inertia - d2);
+    soft->yield = rest * rest / rotor;
+    soft->held = 4 * drive->impedance / rotor;
+    soft->stiffer = R(1.0) + d2 / rotor;
+    soft->swing = turn * turn * drive->inertia / rotor;
+}
+
+/* Sum of b^2 and square of the highest frequency [rad2/s2]. */
+static void shares(const kelly_modes *modes, real *sum_g, real *top)
+{
+    *sum_g = *top = 0;
+    for (unsigned i = 0; i < modes->count; i++) {
+        *sum_g = *sum_g + modes->b[i] * modes->b[i];
+        *top = modes->w2[i] > *top ? modes->w2[i] : *top;
+    }
+}
+
+/* Fastest rates of a realisation: lambda [1/s] and the square of the highest frequency [rad2/s2]. */
+static void fastest(const kelly_table *table, const kelly_case *run, const kelly_draw *draw, const kelly_modes *modes, real fc,
+                    real *lambda, real *w2)
+{
+    softness soft;
+    real sum_g, top;
+
+    shares(modes, &sum_g, &top);
+    if (run->drive.inertia > 0) {
+        soften(table, &run->drive, modes, &soft);
+        sum_g = sum_g + soft.yield;
+        *lambda = draw->mu * (fc + run->f0) * (R(1.0) + draw->a1) * sum_g + table->beta * top * soft.stiffer + soft.held;
+        *w2 = top * soft.stiffer + soft.swing;
+    } else {
+        *lambda = draw->mu * (fc + run->f0) * (R(1.0) + draw->a1) * sum_g + table->beta * top;
+        *w2 = top;
+    }
+}
+
+real kelly_fastest_rate(const kelly_table *table, const kelly_case *run, const kelly_draw *draw, const kelly_modes *modes, real fc)
+{
+    real lambda, w2;
+
+    fastest(table, run, draw, modes, fc, &lambda, &w2);
+    return lambda;
 }
 
 real kelly_smallest_step(const kelly_modes *modes)
@@ -109,8 +165,8 @@ kelly_status kelly_realise(const kelly_table *table, const kelly_case *run, cons
     if (!kelly_modes_at(table, draw->fc, run->torsional, modes)) {
         return KELLY_RANGE;
     }
-    fastest(table, run, draw, modes, &lambda, &w2);
-    if (h * h * modes->w2[0] < GRAIN * GRAIN) {
+    fastest(table, run, draw, modes, draw->fc, &lambda, &w2);
+    if (h * h * modes->w2[0] < GRAIN * GRAIN || (run->drive.inertia > 0 && h * draw->w0 > KELLY_TURN)) {
         return KELLY_STEP;
     }
     return h * lambda <= KELLY_REAL_AXIS && h * h * w2 <= KELLY_IMAGINARY_AXIS * KELLY_IMAGINARY_AXIS ? KELLY_OK : KELLY_STEP;
@@ -120,10 +176,11 @@ real kelly_largest_step(const kelly_table *table, const kelly_case *run, const k
 {
     real lambda, w2, on_real, on_imaginary;
 
-    fastest(table, run, draw, modes, &lambda, &w2);
+    fastest(table, run, draw, modes, draw->fc, &lambda, &w2);
     on_real = KELLY_REAL_AXIS / lambda;
     on_imaginary = KELLY_IMAGINARY_AXIS * R(0.999999) * (real)kelly_sqrt32((float)(1 / w2));   /* a float's rounding below it */
-    return on_real < on_imaginary ? on_real : on_imaginary;
+    on_real = on_real < on_imaginary ? on_real : on_imaginary;
+    return run->drive.inertia > 0 && on_real * draw->w0 > KELLY_TURN ? KELLY_TURN * R(0.999999) / draw->w0 : on_real;
 }
 
 int kelly_lifts_off(const kelly_case *run, const kelly_draw *draw)

@@ -28,6 +28,7 @@ typedef enum {
 
 #define KELLY_REAL_AXIS R(2.785)       /* RK4 is stable to h lambda = 2.78529 on the negative real axis */
 #define KELLY_IMAGINARY_AXIS R(2.8)    /* and to h w = 2 sqrt 2 = 2.82843 on the imaginary axis */
+#define KELLY_TURN R(0.25)             /* most that a top of variable speed may turn in a step [rad]: drive.h */
 
 /* Reason why this case cannot be run on this table, or 0. */
 const char *kelly_case_error(const kelly_table *table, const kelly_case *run);
@@ -40,12 +41,17 @@ void kelly_draw_nominal(const kelly_case *run, kelly_draw *draw);
 
 /* The draw's torsional modes and whether it may be integrated: KELLY_OK, KELLY_STEP or KELLY_RANGE (modes untouched).
  * RK4 is stable on the negative real axis to h lambda = 2.785 and on the imaginary axis to h w = 2.8 (2 sqrt 2);
- * lambda <= mu |f|max (1 + a1) sum b_i^2 + max beta w_i^2 with |f|max = fc + f0. */
+ * lambda <= mu |f|max (1 + a1) sum b_i^2 + max beta w_i^2 with |f|max = fc + f0. A soft drive, whose rotor s = J_d + J - sum d_i^2
+ * swings with the modes, adds (1 - sum d_i b_i)^2 / s to sum b_i^2 and 4 Z / s to lambda, and max w_i^2 grows by the factor
+ * 1 + sum d_i^2 / s, and by k_i / s. */
 kelly_status kelly_realise(const kelly_table *table, const kelly_case *run, const kelly_draw *draw, kelly_modes *modes);
 
 /* Smallest step [s] that kelly_realise accepts for these modes: below it the slowest mode moves by less than some tens of
  * rounding errors a step (h w_1 = 1e-5 in float), and its motion would drown in them. */
 real kelly_smallest_step(const kelly_modes *modes);
+
+/* Fastest rate lambda [1/s] of these modes under a weight fc [N], as kelly_realise bounds it. */
+real kelly_fastest_rate(const kelly_table *table, const kelly_case *run, const kelly_draw *draw, const kelly_modes *modes, real fc);
 
 /* Largest step [s] that kelly_realise accepts for these modes. */
 real kelly_largest_step(const kelly_table *table, const kelly_case *run, const kelly_draw *draw, const kelly_modes *modes);

@@ -20,6 +20,13 @@
 #define KELLY_MODES_MAX 20       /* most torsional modes, and most axial modes, that a table or a run may have */
 #define KELLY_PARAMETERS 5       /* random parameters: fc, mu, a1, a2, w0, in this order everywhere */
 
+/* A soft drive at the top: J_d theta_top'' = 4 Z e + (2 pi f)^2 J_d int e dt - T_top, e = w0 - theta_top'. */
+typedef struct {
+    real inertia;                 /* J_d [kg m2], 1..1e12; 0: stiff, the top turns at w0 whatever the torque */
+    real impedance;               /* Z [N m s/rad], > 0 */
+    real hz;                      /* f [Hz], > 0 */
+} kelly_drive;
+
 /* What is run: one operating point, its uncertainty and its time grid. All times are whole steps. */
 typedef struct {
     real fc;                      /* mean weight on bit |f_c| [N], > 0 */
@@ -36,6 +43,7 @@ typedef struct {
     uint8_t torsional;            /* modes used, 1..torsional of the table */
     uint8_t axial;                /* 1..axial of the table, the rigid one included */
     uint8_t rotating;             /* 0: from rest, q = 0 and theta' = 0; 1: the untwisted string already turns at w0 */
+    kelly_drive drive;            /* of the top; zeros: stiff */
 } kelly_case;
 
 typedef struct {
