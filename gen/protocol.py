@@ -151,7 +151,7 @@ MESSAGES = [
         mean real [rad/s] bit speed in the window
         ss real [] severity
         status status [] 0 counted, else why not: the values above are 0 then
-        stuck flag [] severity at the limit or above
+        stuck flag [] severity above the limit
         liftoff flag [] the weight would have changed its sign"""),
             "One realisation. Seq 0."),
     Message(8, "status", BOARD, _fields("""

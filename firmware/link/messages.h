@@ -193,7 +193,7 @@ typedef struct {
     real mean;                           /* [rad/s] bit speed in the window */
     real ss;                             /* severity */
     uint8_t status;                      /* 0 counted, else why not: the values above are 0 then */
-    uint8_t stuck;                       /* severity at the limit or above */
+    uint8_t stuck;                       /* severity above the limit */
     uint8_t liftoff;                     /* the weight would have changed its sign */
 } kelly_msg_result;
 #define KELLY_RESULT_MAX 47u
