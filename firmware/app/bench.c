@@ -34,7 +34,7 @@ void bench_hold(kelly_bench *bench, uint8_t state)
     bench->holds = state;
 }
 
-void bench_error(uint32_t seq, uint8_t code, uint8_t of_type, const char *text)
+__attribute__((noinline)) void bench_error(uint32_t seq, uint8_t code, uint8_t of_type, const char *text)
 {
     kelly_msg_error message = { .code = code, .of_type = of_type };
     uint8_t wire[KELLY_WIRE_MAX];

@@ -56,25 +56,10 @@ static kelly_session *own(kelly_bench *bench)
 
 /* ---- settings ---- */
 
-static real top_speed_of(const kelly_bench *bench) { return bench->run.w0; }
-
-/* Change the case, if the table takes it; a case that the link has set is then no longer that. */
-static int set_case(kelly_bench *bench, const kelly_case *run)
+/* Whether the table has the case. */
+static int takes(const kelly_case *run)
 {
-    if (kelly_case_error(&kelly_string, run) != 0) {
-        return SCPI_RANGE;
-    }
-    bench->run = *run;
-    bench->case_set = 0;
-    return SCPI_NO_ERROR;
-}
-
-/* The case in force goes on in the string that runs. */
-static void command(kelly_bench *bench, kelly_session *s)
-{
-    if (s != 0) {
-        realtime_set(bench, top_speed_of(bench), bench->run.fc, 1u + SECOND_MS / s->by.real_time.period);
-    }
+    return kelly_case_error(&kelly_string, run) == 0 && run->fc >= kelly_string.fc_min && run->fc <= kelly_string.fc_max;
 }
 
 enum { RPM, WOB, MU };
@@ -94,18 +79,20 @@ static int set_value(kelly_bench *bench, int what, const char *text)
     }
     if (what == RPM) {
         run.w0 = value / TO_RPM;
-        error = session_takes(run.w0, R(1.0)) ? SCPI_NO_ERROR : SCPI_RANGE;
     } else if (what == WOB) {
         run.fc = value * KILO;
-        error = value * KILO >= kelly_string.fc_min && value * KILO <= kelly_string.fc_max ? SCPI_NO_ERROR : SCPI_RANGE;
     } else {
         run.mu = value;
     }
-    error = error != SCPI_NO_ERROR ? error : set_case(bench, &run);
-    if (error == SCPI_NO_ERROR) {
-        command(bench, s);
+    if (!takes(&run) || (s != 0 && !kelly_plant_allows(&s->plant, run.w0, run.fc))) {
+        return SCPI_RANGE;
     }
-    return error;
+    bench->run = run;
+    bench->case_set = 0;         /* a case that the link has set is no longer that */
+    if (s != 0) {
+        realtime_set(bench, run.w0, run.fc, 1u + SECOND_MS / s->by.real_time.period);
+    }
+    return SCPI_NO_ERROR;
 }
 
 static void say_setting(const kelly_bench *bench, int what)

@@ -28,8 +28,8 @@ void lockstep_step(kelly_bench *bench, uint32_t seq, const kelly_msg_lock_step *
         }
     } else if (ask->frame != lock->frame + 1u || lock->left != 0) {
         bench_error(seq, KELLY_ERR_ORDER, KELLY_MSG_LOCK_STEP, "not the next frame");
-    } else if (ask->ticks == 0 || !session_takes(ask->top_speed, ask->weight)) {
-        bench_error(seq, KELLY_ERR_VALUE, KELLY_MSG_LOCK_STEP, "give ticks > 0, top speed 0..1000 rad/s, weight above 0, at most 1e7 N");
+    } else if (ask->ticks == 0 || !kelly_plant_allows(&s->plant, ask->top_speed, ask->weight)) {
+        bench_error(seq, KELLY_ERR_VALUE, KELLY_MSG_LOCK_STEP, "give ticks > 0, and a speed and a weight that the step can be trusted with");
     } else {
         lock->frame = ask->frame;
         lock->seq = seq;

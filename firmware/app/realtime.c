@@ -112,8 +112,8 @@ void realtime_command(kelly_bench *bench, uint32_t seq, const kelly_msg_rt_comma
         return;
     }
     if (ask->number > s->by.real_time.number) {
-        if (ask->ramp_ticks == 0 || !session_takes(ask->top_speed, ask->weight)) {
-            bench_error(seq, KELLY_ERR_VALUE, KELLY_MSG_RT_COMMAND, "give ramp_ticks > 0, top speed 0..1000 rad/s, weight above 0, at most 1e7 N");
+        if (ask->ramp_ticks == 0 || !kelly_plant_allows(&s->plant, ask->top_speed, ask->weight)) {
+            bench_error(seq, KELLY_ERR_VALUE, KELLY_MSG_RT_COMMAND, "give ramp_ticks > 0, and a speed and a weight that the step can be trusted with");
             return;
         }
         realtime_set(bench, ask->top_speed, ask->weight, ask->ramp_ticks);

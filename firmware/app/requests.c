@@ -20,7 +20,10 @@ static uint32_t image_crc(uint32_t *size)
     return crc;
 }
 
-static void hello(kelly_bench *bench, uint32_t seq, const kelly_msg_hello *ask)
+/* Each answer has buffers of its own: not on the stack of the others. */
+#define APART __attribute__((noinline))
+
+static APART void hello(kelly_bench *bench, uint32_t seq, const kelly_msg_hello *ask)
 {
     kelly_msg_hello_reply message = { .schema = KELLY_LINK_SCHEMA, .nonce = ask->nonce, .real_bytes = sizeof(real),
                                       .watchdog = (uint8_t)board_watchdog(), .frame_max = KELLY_FRAME_MAX, .tick_hz = 1000 };
@@ -51,7 +54,7 @@ static kelly_case case_of(const kelly_msg_case_set *ask)
 }
 
 /* Another case ends what runs with the old one; a plant is not ended by it, only by name. */
-static void case_set(kelly_bench *bench, uint32_t seq, const kelly_msg_case_set *ask, uint32_t crc)
+static APART void case_set(kelly_bench *bench, uint32_t seq, const kelly_msg_case_set *ask, uint32_t crc)
 {
     const kelly_msg_case_reply message = { .case_crc = crc };
     const kelly_case run = case_of(ask);
@@ -75,7 +78,7 @@ static void case_set(kelly_bench *bench, uint32_t seq, const kelly_msg_case_set 
     out_frame(wire, KELLY_MSG_CASE_REPLY, seq, kelly_put_case_reply(wire + KELLY_WIRE_BODY, &message));
 }
 
-static void wits_query(const kelly_bench *bench, uint32_t seq)
+static APART void wits_query(const kelly_bench *bench, uint32_t seq)
 {
     kelly_msg_wits message;
     uint8_t wire[KELLY_WIRE_MAX];

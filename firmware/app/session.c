@@ -1,11 +1,6 @@
 #include "bench.h"
 #include "out.h"
 
-int session_takes(real top_speed, real weight)
-{
-    return top_speed >= 0 && top_speed <= SESSION_TOP_MAX && weight > 0 && weight <= SESSION_WEIGHT_MAX;
-}
-
 kelly_session *session_of(kelly_bench *bench, uint32_t id, uint8_t state, uint32_t seq, uint8_t type)
 {
     kelly_session *const s = &bench->now.session;
@@ -58,23 +53,10 @@ kelly_status session_begin(kelly_bench *bench, uint32_t id, const kelly_msg_plan
     return (kelly_status)s->status;
 }
 
-/* Why this request cannot be carried out, whatever the draw; 0: it can. */
-static const char *refusal(const kelly_bench *bench, const kelly_msg_plant_start *ask)
-{
-    if (!session_takes(ask->top_speed, R(1.0))) {
-        return "the top turns at 0..1000 rad/s";
-    }
-    if (ask->mode == KELLY_MODE_REALTIME && bench->run.step_ns % REALTIME_TICK_NS != 0) {
-        return "in real time the step is whole milliseconds";
-    }
-    return 0;
-}
-
 void session_start(kelly_bench *bench, uint32_t seq, const kelly_msg_plant_start *ask)
 {
     const kelly_session *const s = &bench->now.session;
     const int mine = bench->holds == KELLY_STATE_LOCKSTEP || bench->holds == KELLY_STATE_REALTIME;
-    const char *const why = refusal(bench, ask);
 
     if (mine && s->known && s->id == seq) {
         reply(seq, s->status);
@@ -84,8 +66,8 @@ void session_start(kelly_bench *bench, uint32_t seq, const kelly_msg_plant_start
         bench_error(seq, KELLY_ERR_NO_CASE, KELLY_MSG_PLANT_START, "set the case first");
         return;
     }
-    if (why != 0) {
-        bench_error(seq, KELLY_ERR_VALUE, KELLY_MSG_PLANT_START, why);
+    if (ask->mode == KELLY_MODE_REALTIME && bench->run.step_ns % REALTIME_TICK_NS != 0) {
+        bench_error(seq, KELLY_ERR_VALUE, KELLY_MSG_PLANT_START, "in real time the step is whole milliseconds");
         return;
     }
     (void)session_begin(bench, seq, ask);

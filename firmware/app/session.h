@@ -7,9 +7,6 @@
 #include "lockstep.h"
 #include "realtime.h"
 
-#define SESSION_TOP_MAX R(1000.0)     /* [rad/s] fastest top that can be commanded */
-#define SESSION_WEIGHT_MAX R(1e7)     /* [N] */
-
 typedef struct kelly_bench kelly_bench;
 
 typedef struct {
@@ -28,9 +25,6 @@ void session_start(kelly_bench *bench, uint32_t seq, const kelly_msg_plant_start
 
 /* Start the string of the case in memory for ask->mode: nominal, or a realisation. */
 kelly_status session_begin(kelly_bench *bench, uint32_t id, const kelly_msg_plant_start *ask);
-
-/* Whether the top can turn so fast and the bit carry so much. */
-int session_takes(real top_speed, real weight);
 
 /* The session of this id in this state's memory, over or not; 0, and an error for the request, where there is none. */
 kelly_session *session_of(kelly_bench *bench, uint32_t id, uint8_t state, uint32_t seq, uint8_t type);
