@@ -221,12 +221,12 @@ static int step(kelly_bench *bench, uint32_t due)
     }
     watchdog_kick();
     overload(rt, due);
+    note_load(rt);
     look(bench);
     counts = board_count() - from;
     if (counts > rt->busy_worst) {
         rt->busy_worst = counts;
     }
-    note_load(rt);
     rt->overran = (uint8_t)(board_ticks() - due >= rt->period);
     return 1;
 }
