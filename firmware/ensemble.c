@@ -21,6 +21,15 @@ static void open_window(const kelly_table *table, const kelly_case *run, unsigne
     }
 }
 
+/* The present tick is the first of the window. */
+static void open_windows(const kelly_table *table, const kelly_case *run, unsigned count, kelly_result *results, kelly_work *work)
+{
+    kelly_block_watch(&work->block);
+    for (unsigned l = 0; l < count; l++) {
+        open_window(table, run, l, &results[l], work);
+    }
+}
+
 static void classify(const kelly_table *table, const kelly_case *run, unsigned lane, kelly_result *result, kelly_work *work)
 {
     const real seconds = kelly_step_seconds(run) * (real)(run->window_last - run->window_first);
@@ -41,21 +50,55 @@ static void classify(const kelly_table *table, const kelly_case *run, unsigned l
 }
 
 /* One block: up to KELLY_LANES realisations together, whose draws stand in results[], the rest of them zero. */
-static void run_block(const kelly_table *table, const kelly_case *run, unsigned count, kelly_result *results, kelly_work *work)
+static void begin_block(const kelly_table *table, const kelly_case *run, unsigned count, kelly_result *results, kelly_work *work)
 {
     kelly_block_clear(&work->block, table, run, count);
     for (unsigned l = 0; l < count; l++) {
         begin(table, run, l, &results[l], work);
     }
-    kelly_block_advance(&work->block, run->window_first);
-    kelly_block_watch(&work->block);
-    for (unsigned l = 0; l < count; l++) {
-        open_window(table, run, l, &results[l], work);
+    if (run->window_first == 0) {
+        open_windows(table, run, count, results, work);
     }
-    kelly_block_advance(&work->block, run->window_last - run->window_first);
+}
+
+uint32_t kelly_run_advance(const kelly_table *table, const kelly_case *run, unsigned count, kelly_result *results,
+                           kelly_work *work, uint32_t ticks)
+{
+    while (ticks > 0 && work->block.tick < run->window_last) {
+        const uint32_t tick = work->block.tick, stop = tick < run->window_first ? run->window_first : run->window_last;
+        const uint32_t part = ticks < stop - tick ? ticks : stop - tick;
+
+        kelly_block_advance(&work->block, part);
+        ticks -= part;
+        if (tick + part == run->window_first) {
+            open_windows(table, run, count, results, work);
+        }
+    }
+    return run->window_last - work->block.tick;
+}
+
+void kelly_run_finish(const kelly_table *table, const kelly_case *run, unsigned count, kelly_result *results, kelly_work *work)
+{
     for (unsigned l = 0; l < count; l++) {
         classify(table, run, l, &results[l], work);
     }
+}
+
+static void run_block(const kelly_table *table, const kelly_case *run, unsigned count, kelly_result *results, kelly_work *work)
+{
+    begin_block(table, run, count, results, work);
+    (void)kelly_run_advance(table, run, count, results, work, run->window_last);
+    kelly_run_finish(table, run, count, results, work);
+}
+
+void kelly_run_begin(const kelly_table *table, const kelly_case *run, uint64_t seed, uint32_t first, unsigned count,
+                     kelly_result *results, kelly_work *work)
+{
+    for (unsigned l = 0; l < count; l++) {
+        results[l] = (kelly_result){ .status = KELLY_OK };
+        kelly_draw_sample(run, seed, first + l, &results[l].draw);
+    }
+    begin_block(table, run, count, results, work);
 }
 
 static unsigned lanes_of(uint32_t left)
@@ -69,11 +112,9 @@ void kelly_run(const kelly_table *table, const kelly_case *run, uint64_t seed, u
     for (uint32_t done = 0; done < count;) {
         const unsigned lanes = lanes_of(count - done);
 
-        for (unsigned l = 0; l < lanes; l++) {
-            results[done + l] = (kelly_result){ .status = KELLY_OK };
-            kelly_draw_sample(run, seed, first + done + l, &results[done + l].draw);
-        }
-        run_block(table, run, lanes, &results[done], work);
+        kelly_run_begin(table, run, seed, first + done, lanes, &results[done], work);
+        (void)kelly_run_advance(table, run, lanes, &results[done], work, run->window_last);
+        kelly_run_finish(table, run, lanes, &results[done], work);
         done += lanes;
     }
 }

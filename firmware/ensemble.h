@@ -20,6 +20,16 @@ typedef struct {
 void kelly_run(const kelly_table *table, const kelly_case *run, uint64_t seed, uint32_t first, uint32_t count,
                kelly_result *results, kelly_work *work);
 
+/* kelly_run of one block in pieces, for a program that has other things to do meanwhile: begin, advance until nothing is left,
+ * finish; the same results[0 .. count - 1], however the steps are cut. count is 1..KELLY_LANES, and `work` is not to be used for
+ * anything else in between. A realisation that is refused says so in its status after begin.
+ * kelly_run_advance does at most `ticks` steps and returns how many are left. */
+void kelly_run_begin(const kelly_table *table, const kelly_case *run, uint64_t seed, uint32_t first, unsigned count,
+                     kelly_result *results, kelly_work *work);
+uint32_t kelly_run_advance(const kelly_table *table, const kelly_case *run, unsigned count, kelly_result *results,
+                           kelly_work *work, uint32_t ticks);
+void kelly_run_finish(const kelly_table *table, const kelly_case *run, unsigned count, kelly_result *results, kelly_work *work);
+
 /* The same for draws of the caller's: result i is that of draws[i], whose parameters must be finite and positive. What
  * kelly_run gives for its own draws, bit for bit. */
 void kelly_run_draws(const kelly_table *table, const kelly_case *run, const kelly_draw *draws, uint32_t count,

@@ -44,6 +44,9 @@
 #define kelly_driven_top_speed KELLY_JOIN(kelly_driven_top_speed, KELLY_ISA)
 #define kelly_driven_top_torque KELLY_JOIN(kelly_driven_top_torque, KELLY_ISA)
 #define kelly_run KELLY_JOIN(kelly_run, KELLY_ISA)
+#define kelly_run_begin KELLY_JOIN(kelly_run_begin, KELLY_ISA)
+#define kelly_run_advance KELLY_JOIN(kelly_run_advance, KELLY_ISA)
+#define kelly_run_finish KELLY_JOIN(kelly_run_finish, KELLY_ISA)
 #define kelly_run_draws KELLY_JOIN(kelly_run_draws, KELLY_ISA)
 #define kelly_engine_here KELLY_JOIN(kelly_engine, KELLY_ISA)
 #endif

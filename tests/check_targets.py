@@ -88,7 +88,7 @@ def expectation(path, target, settings):
     with open(path, encoding="utf-8") as file:
         comment = file.read().split("*/")[0]
     skip = re.search(r"skip: (\w[\w-]*)", comment)
-    if skip and skip[1] in (target, settings["FLOAT"]):
+    if skip and skip[1] in (target, settings["FLOAT"], settings["FAMILY"]):
         return None
     return re.search(r"expect: ([^\n*]*[^\n* ])", comment)[1]
 

@@ -48,6 +48,30 @@ static void does_not_mind_cuts(void)
     CHECK(!fixture_same(&results[0], &results[1]));
 }
 
+/* Begin, advance, finish: the same results, whatever the pieces; a window that opens at tick 0 included. */
+static void does_not_mind_pieces(void)
+{
+    static const uint32_t pieces[] = { 1, 7, 60, 1000 };
+
+    random_case(120);
+    for (uint32_t open = 0; open < 2; open++) {
+        run.window_first = open == 0 ? 0 : 60;
+        run_into(results, 9, 50, 1);
+        for (unsigned k = 0; k < sizeof(pieces) / sizeof(pieces[0]); k++) {
+            uint32_t left, calls = 0;
+
+            kelly_run_begin(&kelly_string, &run, 9, 50, 1, again, &fixture.ensemble.work);
+            do {
+                left = kelly_run_advance(&kelly_string, &run, 1, again, &fixture.ensemble.work, pieces[k]);
+                calls++;
+            } while (left > 0);
+            kelly_run_finish(&kelly_string, &run, 1, again, &fixture.ensemble.work);
+            CHECK(fixture_same(&results[0], &again[0]));
+            EQUAL(calls, (120u + pieces[k] - 1u) / pieces[k]);
+        }
+    }
+}
+
 /* Draws, extremes, means and severities in one number, of a small case; see vectors/digests.h. */
 static void has_its_digest(void)
 {
@@ -174,6 +198,7 @@ void test_ensemble(void)
 {
     fits_a_small_part();
     does_not_mind_cuts();
+    does_not_mind_pieces();
     has_its_digest();
     classifies_what_it_ran();
     refuses_without_guessing();

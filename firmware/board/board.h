@@ -1,4 +1,4 @@
-/* board.h - what a board gives to kelly: five functions, and what its core family adds.
+/* board.h - what a board gives to kelly: six functions, and what its core family adds.
  *
  * Start-up (cortexm/, riscv/) paints the stack, fills .data and .bss, switches the FPU on, calls board_init, then main,
  * then board_exit with main's value. A fault says its name over the UART and ends with BOARD_FAULT: nothing hangs.
@@ -17,13 +17,16 @@
 /* Exit status of every fault, so that a runner can tell it from a failed check (1). */
 #define BOARD_FAULT 70
 
-/* ---- The five, in firmware/board/NAME/ ---- */
+/* ---- The six, in firmware/board/NAME/ ---- */
 
 /* Clocks, pins, UART at 115200 8N1, tick and counter. */
 void board_init(void);
 
 /* Send one byte; waits for the transmitter, at most BOARD_POLLS (then the byte is lost). */
 void board_write(uint8_t byte);
+
+/* 1 when board_write would not wait: for a program that has no time to. */
+int board_ready(void);
 
 /* The next received byte, -1 when there is none. Does not wait. Received bytes are kept while the program computes (256 on
  * Cortex-M, 16 on virt), but not while interrupts are held. Wait for one with board_idle, not by spinning. */
@@ -45,11 +48,26 @@ _Noreturn void board_exit(int status);
 /* Sleep until the next tick or interrupt. */
 void board_idle(void);
 
+/* Time since board_init [us], by the clock of the tick: a multiple of 1000 when the tick comes. Wraps after 71 minutes. */
+uint32_t board_micros(void);
+
 /* Hold interrupts (1) or let them in (0), so that a measured stretch counts only its own instructions. */
 void board_quiet(int quiet);
 
 /* 1 when board_count counts CPU cycles, 0 when it is an emulator's timer (see board_count). */
 int board_counts_cycles(void);
+
+/* Let the vector table, which is hidden from a null pointer, be read (1) or hide it again (0). */
+void board_vectors(int readable);
+
+/* What watches the program: 0 nothing (RISC-V here: interrupts are never on), 1 the tick interrupt, 2 a timer of the part besides. */
+int board_watchdog(void);
+
+/* From now on watchdog_kick must come again within ms (> 0) milliseconds, or the program ends with a fault, and where the
+ * part has a timer of its own, it starts anew. watchdog_stop: nothing is asked any more. No effect where nothing watches. */
+void watchdog_start(uint32_t ms);
+void watchdog_kick(void);
+void watchdog_stop(void);
 
 /* ---- Common to all, firmware/board/common.c ---- */
 
@@ -60,6 +78,10 @@ uint32_t board_measure(void (*work)(void *), void *of);
 /* High-water mark and size of the stack [bytes]; the mark can only err low, by values that equal the paint. */
 uint32_t stack_used(void);
 uint32_t stack_size(void);
+
+/* The image as it lies in ROM, from the first byte of ROM to the last that was loaded: what the ELF file's segments hold by
+ * physical address. To read its beginning, see board_vectors. */
+const uint8_t *board_image(uint32_t *size);
 
 /* Plain text, eight hex digits, decimal. */
 void board_text(const char *text);

@@ -57,6 +57,12 @@ uint32_t board_measure(void (*work)(void *), void *of)
     return board_counts_cycles() ? full - empty : instructions(full) - instructions(empty);
 }
 
+const uint8_t *board_image(uint32_t *size)
+{
+    *size = (uint32_t)((uintptr_t)image_end - (uintptr_t)image_start);
+    return image_start;
+}
+
 uint32_t stack_used(void)
 {
     const volatile uint32_t *word = stack_base;

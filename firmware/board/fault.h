@@ -8,6 +8,7 @@
 extern uint32_t stack_base[], stack_top[];
 extern uint32_t data_start[], data_end[], bss_start[], bss_end[];
 extern const uint32_t data_load[];
+extern const uint8_t image_start[], image_end[];
 
 /* A fault with the stack pointer this near to the end [bytes] is an overflow: one push plus the smallest frame. */
 #define STACK_EDGE 72

@@ -61,6 +61,15 @@ void tick_start(uint32_t hz);
 void tick(void);
 void tick_interrupt(void);
 
+/* [us] of the present tick that have passed, 0..999; SysTick's, or the board's own. */
+uint32_t tick_micros(void);
+
+/* Called by each tick. */
+void watchdog_tick(void);
+
+/* A watchdog of the part: start it (1) or kick it (0; no effect before). 0 where there is none, as long as no board says otherwise. */
+int hardware_watchdog(int start);
+
 /* Start DWT CYCCNT; afterwards board_counts_cycles() tells whether it runs. */
 void cycles_start(void);
 

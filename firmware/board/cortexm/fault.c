@@ -73,6 +73,7 @@ _Noreturn void fault_report(const uint32_t *frame, uint32_t exc_return)
 
 void enable_faults(void) {}
 void protect_memory(void) {}
+void board_vectors(int readable) { (void)readable; }
 
 #else
 /* CFSR: MemManage in bits 0-7, BusFault 8-15, UsageFault 16-31. The first match is the cause, the rest follows from it. */

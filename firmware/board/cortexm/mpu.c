@@ -46,6 +46,22 @@ static void regions(uint32_t rom, uint32_t rom_end, uint32_t ram, uint32_t ram_e
 }
 #endif
 
+/* Region 0 begins with the vectors or behind them; region 3 hides them or is off. */
+void board_vectors(int readable)
+{
+    const uint32_t rom = (uint32_t)(uintptr_t)rom_start, hidden = readable ? 0u : VECTORS_SIZE;
+
+    if ((MPU_TYPE & 0xFF00u) == 0)
+        return;
+#if CORE_V8M
+    region(0, rom + hidden, rom + (uint32_t)(uintptr_t)rom_size, 2u << 1, 0);
+#else
+    region(3, rom, rom + VECTORS_SIZE, 0x10000000u);
+    MPU_RASR &= ~(hidden == 0u ? 1u : 0u);
+#endif
+    __asm volatile("dsb\nisb" ::: "memory");
+}
+
 void protect_memory(void)
 {
     uint32_t rom = (uint32_t)(uintptr_t)rom_start, ram = (uint32_t)(uintptr_t)ram_start;

@@ -55,9 +55,28 @@ __attribute__((section(".vectors"), used)) const uintptr_t vectors[64] = {
 static volatile uint32_t ticks;
 static int counts_cycles;
 
-void tick(void) { ticks++; }
-void tick_interrupt(void) { ticks++; }
+void tick(void)
+{
+    ticks++;
+    watchdog_tick();
+}
+
+void tick_interrupt(void) { tick(); }
 uint32_t board_ticks(void) { return ticks; }
+
+__attribute__((weak)) uint32_t tick_micros(void) { return (SYST_RVR - SYST_CVR) * 1000u / (SYST_RVR + 1u); }
+
+/* A tick between the two reads: read again. */
+uint32_t board_micros(void)
+{
+    uint32_t now, part;
+
+    do {
+        now = ticks;
+        part = tick_micros();
+    } while (now != ticks);
+    return now * 1000u + part;
+}
 
 void tick_start(uint32_t hz)
 {

@@ -70,13 +70,25 @@ void board_interrupt(void)
     }
 }
 
-/* The UART announces the byte that has left (TXDRDY), not room for the next one. */
+/* The UART announces the byte that has left (TXDRDY), not room for the next one: none is on its way after reset. */
+static int sending;
+
+int board_ready(void) { return !sending || UART(0x11C) != 0; }
+
 void board_write(uint8_t byte)
 {
+    for (uint32_t polls = 0; polls < BOARD_POLLS && !board_ready(); polls++)
+        ;
     UART(0x11C) = 0;
     UART(0x51C) = byte;
-    for (uint32_t polls = 0; polls < BOARD_POLLS && UART(0x11C) == 0; polls++)
-        ;
+    sending = 1;
+}
+
+/* TIMER1 counts the microseconds of a tick: capture into CC[1]. */
+uint32_t tick_micros(void)
+{
+    TIMER1(0x044) = 1;
+    return TIMER1(0x544);
 }
 
 uint32_t board_count(void)

@@ -27,10 +27,12 @@ void board_interrupt(void)
         received((uint8_t)device_uart[0]);
 }
 
+int board_ready(void) { return (device_uart[1] & 1u) == 0; }
+
 void board_write(uint8_t byte)
 {
     for (uint32_t polls = 0; polls < BOARD_POLLS; polls++)
-        if ((device_uart[1] & 1u) == 0) {
+        if (board_ready()) {
             device_uart[0] = byte;
             return;
         }

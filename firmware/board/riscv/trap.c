@@ -72,5 +72,13 @@ _Noreturn void riscv_start(void)
     board_exit(main());
 }
 
+void board_vectors(int readable) { (void)readable; }   /* there are none */
+
+/* No interrupt is ever on, so nothing can watch. */
+int board_watchdog(void) { return 0; }
+void watchdog_start(uint32_t ms) { (void)ms; }
+void watchdog_kick(void) {}
+void watchdog_stop(void) {}
+
 void board_quiet(int quiet) { (void)quiet; }   /* interrupts are never on */
 int board_counts_cycles(void) { return 0; }    /* an emulator's count; a real part would say 1 */

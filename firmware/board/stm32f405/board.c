@@ -21,6 +21,10 @@
 #define USART1_DR   REG(0x40011004)
 #define USART1_BRR  REG(0x40011008)
 #define USART1_CR1  REG(0x4001100C)
+#define IWDG_KR     REG(0x40003000)
+#define IWDG_PR     REG(0x40003004)
+#define IWDG_RLR    REG(0x40003008)
+#define DBG_FREEZE  REG(0xE0042008)   /* DBGMCU_APB1_FZ: bit 12 stops the IWDG while a debugger holds the core */
 #define TIM2_CR1    REG(0x40000000)
 #define TIM2_EGR    REG(0x40000014)
 #define TIM2_CNT    REG(0x40000024)
@@ -120,13 +124,32 @@ void board_interrupt(void)
         received((uint8_t)byte);
 }
 
+int board_ready(void) { return (USART1_SR & (1u << 7)) != 0; }
+
 void board_write(uint8_t byte)
 {
     for (uint32_t polls = 0; polls < BOARD_POLLS; polls++)
-        if ((USART1_SR & (1u << 7)) != 0) {
+        if (board_ready()) {
             USART1_DR = byte;
             return;
         }
 }
 
 uint32_t board_count(void) { return board_counts_cycles() ? DWT_CYCCNT : TIM2_CNT; }
+
+/* The independent watchdog runs from its own oscillator, 17..47 kHz: 32 kHz / 64, 250 counts, 0.34 to 0.94 s. Never in the
+ * emulator, which RCC_CR tells. */
+int hardware_watchdog(int start)
+{
+    if (RCC_CR == 0)
+        return 0;
+    if (start) {
+        DBG_FREEZE |= 1u << 12;
+        IWDG_KR = 0xCCCC;
+        IWDG_KR = 0x5555;
+        IWDG_PR = 4;
+        IWDG_RLR = 250;
+    }
+    IWDG_KR = 0xAAAA;
+    return 1;
+}

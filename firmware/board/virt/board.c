@@ -33,10 +33,12 @@ void board_init(void)
     start = mtime();
 }
 
+int board_ready(void) { return (UART(5) & 0x20u) != 0; }
+
 void board_write(uint8_t byte)
 {
     for (uint32_t polls = 0; polls < BOARD_POLLS; polls++)
-        if ((UART(5) & 0x20u) != 0) {
+        if (board_ready()) {
             UART(0) = byte;
             return;
         }
@@ -45,6 +47,7 @@ void board_write(uint8_t byte)
 /* The FIFO holds 16 bytes, more than come at 115200 in the tick that board_idle may sleep. */
 int board_read(void) { return (UART(5) & 1u) != 0 ? (int)UART(0) : -1; }
 uint32_t board_ticks(void) { return (uint32_t)((mtime() - start) / MTIME_PER_MS); }
+uint32_t board_micros(void) { return (uint32_t)((mtime() - start) / (MTIME_PER_MS / 1000)); }
 
 /* mcycle: under -icount shift=0 exactly the instructions. */
 uint32_t board_count(void)
