@@ -33,6 +33,10 @@ typedef struct {
 void bench_case(const kelly_case *run, kelly_msg_case_set *set);
 
 
+/* Members of a JSON object: port, board, image, emulator, the line's counts; the last without its comma. */
+void bench_write_board(FILE *to, const board *b);
+
+
 /* The modes: boards are parsed, nothing is open. Return the exit status. */
 int bench_campaign(const bench_request *ask, board *boards);
 int bench_lockstep(const bench_request *ask, board *b);

@@ -286,36 +286,17 @@ static void board_heard(void *context, board *b, uint8_t type, uint32_t seq, con
 
 /* ---- the campaign ---------------------------------------------------------------------------------------------- */
 
-static void write_text(FILE *to, const char *name, const char *text)
-{
-    fprintf(to, "\"%s\": \"", name);
-    for (; *text; text++) {
-        fprintf(to, *text == '"' || *text == '\\' ? "\\%c" : (unsigned char)*text < ' ' ? " " : "%c", *text);
-    }
-    fputs("\", ", to);
-}
-
-static void write_board(FILE *to, const board *b, const worker *w)
-{
-    write_text(to, "port", b->port.text);
-    write_text(to, "board", b->is.board);
-    write_text(to, "version", b->is.version);
-    write_text(to, "emulator", b->port.command);
-    fprintf(to, "\"image_crc\": \"%08x\", \"image_bytes\": %u, \"image_checked\": %s, \"results\": %u, \"doubles\": %u, \"repeats\": %u, "
-            "\"bad_frames\": %u, \"bad_frames_there\": %u, \"connections\": %u, \"seconds_each\": %.6f", b->is.image_crc, b->is.image_size,
-            b->image_known ? "true" : "false", w->results, w->doubles, w->repeats + b->retries, b->bad + b->receiver.bad, b->bad_there,
-            b->ups, w->pace);
-}
-
 static void write_bench(FILE *to, const void *of)
 {
     const campaign *const c = of;
 
     fputs("  \"bench\": {\"boards\": [", to);
     for (unsigned i = 0; i < c->set.count; i++) {
+        const worker *const w = &c->work[i];
+
         fprintf(to, "%s\n    {", i ? "," : "");
-        write_board(to, &c->set.boards[i], &c->work[i]);
-        fputs("}", to);
+        bench_write_board(to, &c->set.boards[i]);
+        fprintf(to, ", \"results\": %u, \"doubles\": %u, \"runs_repeated\": %u, \"seconds_each\": %.6f}", w->results, w->doubles, w->repeats, w->pace);
     }
     fputs("]},\n", to);
 }

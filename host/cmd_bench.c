@@ -151,7 +151,7 @@ static void check_mode(int mode, int argc, char **argv)
         const char *name;
         unsigned modes;          /* 1 << mode, or'ed */
     } only[] = {
-        { "--samples", 1 }, { "--first", 1 }, { "--csv", 1 }, { "--json", 1 }, { "--sample", 6 }, { "--out", 6 }, { "--profile", 6 },
+        { "--samples", 1 }, { "--first", 1 }, { "--csv", 1 }, { "--json", 7 }, { "--sample", 6 }, { "--out", 6 }, { "--profile", 6 },
         { "--frame-ticks", 2 }, { "--stream-hz", 4 }, { "--command-timeout", 4 }, { "--policy", 4 }, { "--ramp", 4 }, { "--overload", 4 },
         { "--wits", 4 },
     };
@@ -181,6 +181,27 @@ void bench_case(const kelly_case *run, kelly_msg_case_set *set)
         .window_first = run->window_first, .window_last = run->window_last, .torsional = run->torsional, .axial = run->axial,
         .rotating = run->rotating, .drive_inertia = run->drive.inertia, .drive_impedance = run->drive.impedance, .drive_hz = run->drive.hz,
     };
+}
+
+static void write_text(FILE *to, const char *name, const char *text)
+{
+    fprintf(to, "\"%s\": \"", name);
+    for (; *text; text++) {
+        fprintf(to, *text == '"' || *text == '\\' ? "\\%c" : (unsigned char)*text < ' ' ? " " : "%c", *text);
+    }
+    fputs("\", ", to);
+}
+
+void bench_write_board(FILE *to, const board *b)
+{
+    write_text(to, "port", b->port.text);
+    write_text(to, "board", b->is.board);
+    write_text(to, "version", b->is.version);
+    write_text(to, "emulator", b->port.command);
+    fprintf(to, "\"image_crc\": \"%08x\", \"image_bytes\": %u, \"image_checked\": %s, \"watchdog\": \"%s\", \"connections\": %u, \"requests_repeated\": %u, "
+            "\"frames\": %u, \"bad_frames\": %u, \"bad_frames_there\": %u", b->is.image_crc, b->is.image_size, b->image_known ? "true" : "false",
+            b->is.watchdog == KELLY_WATCHDOG_NONE ? "none" : b->is.watchdog == KELLY_WATCHDOG_SOFTWARE ? "software" : "hardware", b->ups,
+            b->retries, b->good + b->receiver.good, b->bad + b->receiver.bad, b->bad_there);
 }
 
 int command_bench(int argc, char **argv)

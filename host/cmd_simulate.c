@@ -7,14 +7,14 @@
 /* %.9g and %.17g bring a float and a double back unchanged. */
 #define DIGITS (sizeof(real) > sizeof(float) ? 17 : 9)
 
-static void write_line(FILE *to, double time, const kelly_sight *s)
+void sight_line(FILE *to, double time, const kelly_sight *s)
 {
     fprintf(to, "%.12g,%.*g,%.*g,%.*g,%.*g,%.*g,%.*g\n", time, DIGITS, (double)s->bit_speed / RPM, DIGITS, -(double)s->bit_torque / 1000.0,
             DIGITS, -(double)s->f_bit / 1000.0, DIGITS, (double)s->axial_speed, DIGITS, (double)s->surface_torque / 1000.0,
             DIGITS, (double)s->top_speed / RPM);
 }
 
-static void refuse(const kelly_plant *plant, const options *opts, const kelly_draw *draw, kelly_status status)
+_Noreturn void plant_refuse(const kelly_plant *plant, const options *opts, const kelly_draw *draw, kelly_status status)
 {
     const double step = case_seconds(&opts->run, 1);
 
@@ -62,7 +62,7 @@ static void run_to(FILE *to, field_file *field, kelly_plant *plant, const option
         open_window(plant, window);
     }
     kelly_plant_look(plant, &sight);
-    write_line(to, 0.0, &sight);
+    sight_line(to, 0.0, &sight);
     field_write(field, plant, 0.0);
     while (tick < run->ticks) {
         const uint32_t line = tick + opts->out_ticks - tick % opts->out_ticks;
@@ -83,7 +83,7 @@ static void run_to(FILE *to, field_file *field, kelly_plant *plant, const option
         }
         if (tick % opts->out_ticks == 0) {
             kelly_plant_look(plant, &sight);
-            write_line(to, case_seconds(run, tick), &sight);
+            sight_line(to, case_seconds(run, tick), &sight);
             field_write(field, plant, case_seconds(run, tick));
         }
     }
@@ -128,10 +128,10 @@ int command_simulate(int argc, char **argv)
     }
     status = kelly_plant_start(&plant, &kelly_string, &opts.run, &draw);
     if (status != KELLY_OK) {
-        refuse(&plant, &opts, &draw, status);
+        plant_refuse(&plant, &opts, &draw, status);
     }
     outfile_open(&file, opts.out ? opts.out : "-");
-    fputs("time_s,bit_speed_rpm,bit_torque_kNm,wob_kN,bit_axial_speed_m_s,surface_torque_kNm,top_speed_rpm\n", file.stream);
+    fputs(SIGHT_HEADER, file.stream);
     field_open(&field, opts.field, &opts, &draw);
     run_to(file.stream, &field, &plant, &opts, &window);
     if (!kelly_block_sane(&plant.block, 0) || !isfinite(kelly_axial_speed(&plant.axial))) {

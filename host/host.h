@@ -128,6 +128,13 @@ void outfile_close(outfile *file);
  * C order follow; `<` in the type stands for this machine's byte order. */
 void npy_header(FILE *to, const char *type, unsigned dimensions, const uint64_t *shape);
 
+/* A plant in time: header and one line of CSV. */
+#define SIGHT_HEADER "time_s,bit_speed_rpm,bit_torque_kNm,wob_kN,bit_axial_speed_m_s,surface_torque_kNm,top_speed_rpm\n"
+void sight_line(FILE *to, double time, const kelly_sight *s);
+
+/* Dies with exit 2: why this draw cannot be run, and what could be. `plant` as kelly_plant_start left it. */
+_Noreturn void plant_refuse(const kelly_plant *plant, const options *opts, const kelly_draw *draw, kelly_status status);
+
 /* Displacement and twist along the string, one instant after another; see field.c. */
 typedef struct {
     outfile file;

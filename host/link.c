@@ -11,8 +11,10 @@
 #define ALIVE_TIME 0.3           /* the same where the board has sent a sign of life since */
 #define DROPPED_TIME 0.02        /* and where that says that it has dropped a frame */
 #define TRIES_MOST 6u            /* of a request, before the board is greeted anew */
-#define HELLO_TIME 1.0           /* [s] between hellos: the first may come before its UART is up */
-#define HELLOS_MOST 10u          /* before the line is closed and opened again */
+#define HELLO_SOON 0.25          /* [s] between the first hellos: one may come before the UART of the board is up */
+#define HELLO_TIME 1.0           /* and between later ones */
+#define HELLOS_SOON 4u
+#define HELLOS_MOST 12u          /* before the line is closed and opened again */
 #define LINES_MOST 64u
 
 void board_parse(board *b, const char *text, const char *image, const char *icount)
@@ -213,7 +215,7 @@ static void attend(link_set *set, board *b)
         }
         return;
     }
-    if (b->state == BOARD_GREETED && now - b->hello_sent > HELLO_TIME) {
+    if (b->state == BOARD_GREETED && now - b->hello_sent > (b->hellos <= HELLOS_SOON ? HELLO_SOON : HELLO_TIME)) {
         if (b->hellos >= HELLOS_MOST) {
             lose(set, b, "no answer to hello");
         } else {
