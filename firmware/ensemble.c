@@ -2,22 +2,44 @@
 
 #include "severity.h"
 
+static int soft(const kelly_case *run)
+{
+    return run->drive.inertia > 0;
+}
+
+static void advance(const kelly_case *run, uint32_t ticks, kelly_work *work)
+{
+    if (soft(run)) {
+        kelly_driven_advance(&work->driven, ticks);
+    } else {
+        kelly_block_advance(&work->block, ticks);
+    }
+}
+
+/* Twist of a lane at the weight of its draw. */
+static real twist(const kelly_table *table, const kelly_case *run, unsigned lane, const kelly_result *result, kelly_work *work)
+{
+    (void)kelly_modes_at(table, result->draw.fc, run->torsional, &work->modes);
+    return soft(run) ? kelly_driven_twist(&work->driven, lane, &work->modes) : kelly_block_twist(&work->block, lane, &work->modes);
+}
+
+static int sane(const kelly_case *run, unsigned lane, const kelly_work *work)
+{
+    return soft(run) ? kelly_driven_sane(&work->driven, lane) : kelly_block_sane(&work->block, lane);
+}
+
 /* Load one realisation, its draw in place, if it may be integrated. */
 static void begin(const kelly_table *table, const kelly_case *run, unsigned lane, kelly_result *result, kelly_work *work)
 {
     result->liftoff = (uint8_t)kelly_lifts_off(run, &result->draw);
     result->status = (uint8_t)kelly_realise(table, run, &result->draw, &work->modes);
-    if (result->status == KELLY_OK) {
-        kelly_block_load(&work->block, lane, run, &result->draw, &work->modes);
+    if (result->status != KELLY_OK) {
+        return;
     }
-}
-
-/* Twist at the start of the window, kept in `mean` until the end. */
-static void open_window(const kelly_table *table, const kelly_case *run, unsigned lane, kelly_result *result, kelly_work *work)
-{
-    if (result->status == KELLY_OK) {
-        (void)kelly_modes_at(table, result->draw.fc, run->torsional, &work->modes);
-        result->mean = kelly_block_twist(&work->block, lane, &work->modes);
+    if (soft(run)) {
+        kelly_driven_load(&work->driven, lane, table, run, &result->draw, &work->modes, result->draw.w0);
+    } else {
+        kelly_block_load(&work->block, lane, run, &result->draw, &work->modes);
     }
 }
 
@@ -28,31 +50,50 @@ static void classify(const kelly_table *table, const kelly_case *run, unsigned l
     if (result->status != KELLY_OK) {
         return;
     }
-    (void)kelly_modes_at(table, result->draw.fc, run->torsional, &work->modes);
-    if (!kelly_block_sane(&work->block, lane)) {
+    if (!sane(run, lane, work)) {
         result->status = KELLY_NONFINITE;
         result->mean = 0;
         return;
     }
-    kelly_block_extremes(&work->block, lane, &result->lowest, &result->highest);
-    result->mean = result->draw.w0 + (kelly_block_twist(&work->block, lane, &work->modes) - result->mean) / seconds;
+    if (soft(run)) {
+        kelly_driven_extremes(&work->driven, lane, &result->lowest, &result->highest);
+    } else {
+        kelly_block_extremes(&work->block, lane, &result->lowest, &result->highest);
+    }
+    result->mean = result->draw.w0 + (twist(table, run, lane, result, work) - result->mean) / seconds;
     result->ss = kelly_severity(result->lowest, result->highest);
     result->stuck = result->ss > run->limit;
+}
+
+/* The window opens: twists at its start, kept in `mean` until the end. */
+static void open_window(const kelly_table *table, const kelly_case *run, unsigned count, kelly_result *results, kelly_work *work)
+{
+    if (soft(run)) {
+        kelly_driven_watch(&work->driven);
+    } else {
+        kelly_block_watch(&work->block);
+    }
+    for (unsigned l = 0; l < count; l++) {
+        if (results[l].status == KELLY_OK) {
+            results[l].mean = twist(table, run, l, &results[l], work);
+        }
+    }
 }
 
 /* One block: up to KELLY_LANES realisations together, whose draws stand in results[], the rest of them zero. */
 static void run_block(const kelly_table *table, const kelly_case *run, unsigned count, kelly_result *results, kelly_work *work)
 {
-    kelly_block_clear(&work->block, table, run, count);
+    if (soft(run)) {
+        kelly_driven_clear(&work->driven, table, run, count);
+    } else {
+        kelly_block_clear(&work->block, table, run, count);
+    }
     for (unsigned l = 0; l < count; l++) {
         begin(table, run, l, &results[l], work);
     }
-    kelly_block_advance(&work->block, run->window_first);
-    kelly_block_watch(&work->block);
-    for (unsigned l = 0; l < count; l++) {
-        open_window(table, run, l, &results[l], work);
-    }
-    kelly_block_advance(&work->block, run->window_last - run->window_first);
+    advance(run, run->window_first, work);
+    open_window(table, run, count, results, work);
+    advance(run, run->window_last - run->window_first, work);
     for (unsigned l = 0; l < count; l++) {
         classify(table, run, l, &results[l], work);
     }
