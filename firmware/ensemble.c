@@ -2,31 +2,44 @@
 
 #include "severity.h"
 
+static int soft(const kelly_case *run)
+{
+    return run->drive.inertia > 0;
+}
+
+static void advance(const kelly_case *run, uint32_t ticks, kelly_work *work)
+{
+    if (soft(run)) {
+        kelly_driven_advance(&work->driven, ticks);
+    } else {
+        kelly_block_advance(&work->block, ticks);
+    }
+}
+
+/* Twist of a lane at the weight of its draw. */
+static real twist(const kelly_table *table, const kelly_case *run, unsigned lane, const kelly_result *result, kelly_work *work)
+{
+    (void)kelly_modes_at(table, result->draw.fc, run->torsional, &work->modes);
+    return soft(run) ? kelly_driven_twist(&work->driven, lane, &work->modes) : kelly_block_twist(&work->block, lane, &work->modes);
+}
+
+static int sane(const kelly_case *run, unsigned lane, const kelly_work *work)
+{
+    return soft(run) ? kelly_driven_sane(&work->driven, lane) : kelly_block_sane(&work->block, lane);
+}
+
 /* Load one realisation, its draw in place, if it may be integrated. */
 static void begin(const kelly_table *table, const kelly_case *run, unsigned lane, kelly_result *result, kelly_work *work)
 {
     result->liftoff = (uint8_t)kelly_lifts_off(run, &result->draw);
     result->status = (uint8_t)kelly_realise(table, run, &result->draw, &work->modes);
-    if (result->status == KELLY_OK) {
+    if (result->status != KELLY_OK) {
+        return;
+    }
+    if (soft(run)) {
+        kelly_driven_load(&work->driven, lane, table, run, &result->draw, &work->modes, result->draw.w0);
+    } else {
         kelly_block_load(&work->block, lane, run, &result->draw, &work->modes);
-    }
-}
-
-/* Twist at the start of the window, kept in `mean` until the end. */
-static void open_window(const kelly_table *table, const kelly_case *run, unsigned lane, kelly_result *result, kelly_work *work)
-{
-    if (result->status == KELLY_OK) {
-        (void)kelly_modes_at(table, result->draw.fc, run->torsional, &work->modes);
-        result->mean = kelly_block_twist(&work->block, lane, &work->modes);
-    }
-}
-
-/* The present tick is the first of the window. */
-static void open_windows(const kelly_table *table, const kelly_case *run, unsigned count, kelly_result *results, kelly_work *work)
-{
-    kelly_block_watch(&work->block);
-    for (unsigned l = 0; l < count; l++) {
-        open_window(table, run, l, &results[l], work);
     }
 }
 
@@ -37,44 +50,74 @@ static void classify(const kelly_table *table, const kelly_case *run, unsigned l
     if (result->status != KELLY_OK) {
         return;
     }
-    (void)kelly_modes_at(table, result->draw.fc, run->torsional, &work->modes);
-    if (!kelly_block_sane(&work->block, lane)) {
+    if (!sane(run, lane, work)) {
         result->status = KELLY_NONFINITE;
         result->mean = 0;
         return;
     }
-    kelly_block_extremes(&work->block, lane, &result->lowest, &result->highest);
-    result->mean = result->draw.w0 + (kelly_block_twist(&work->block, lane, &work->modes) - result->mean) / seconds;
+    if (soft(run)) {
+        kelly_driven_extremes(&work->driven, lane, &result->lowest, &result->highest);
+    } else {
+        kelly_block_extremes(&work->block, lane, &result->lowest, &result->highest);
+    }
+    result->mean = result->draw.w0 + (twist(table, run, lane, result, work) - result->mean) / seconds;
     result->ss = kelly_severity(result->lowest, result->highest);
     result->stuck = result->ss > run->limit;
+}
+
+/* The window opens: twists at its start, kept in `mean` until the end. */
+static void open_window(const kelly_table *table, const kelly_case *run, unsigned count, kelly_result *results, kelly_work *work)
+{
+    if (soft(run)) {
+        kelly_driven_watch(&work->driven);
+    } else {
+        kelly_block_watch(&work->block);
+    }
+    for (unsigned l = 0; l < count; l++) {
+        if (results[l].status == KELLY_OK) {
+            results[l].mean = twist(table, run, l, &results[l], work);
+        }
+    }
 }
 
 /* One block: up to KELLY_LANES realisations together, whose draws stand in results[], the rest of them zero. */
 static void begin_block(const kelly_table *table, const kelly_case *run, unsigned count, kelly_result *results, kelly_work *work)
 {
-    kelly_block_clear(&work->block, table, run, count);
+    if (soft(run)) {
+        kelly_driven_clear(&work->driven, table, run, count);
+    } else {
+        kelly_block_clear(&work->block, table, run, count);
+    }
     for (unsigned l = 0; l < count; l++) {
         begin(table, run, l, &results[l], work);
     }
     if (run->window_first == 0) {
-        open_windows(table, run, count, results, work);
+        open_window(table, run, count, results, work);
     }
+}
+
+static uint32_t tick_of(const kelly_case *run, const kelly_work *work)
+{
+    return soft(run) ? work->driven.tick : work->block.tick;
 }
 
 uint32_t kelly_run_advance(const kelly_table *table, const kelly_case *run, unsigned count, kelly_result *results,
                            kelly_work *work, uint32_t ticks)
 {
-    while (ticks > 0 && work->block.tick < run->window_last) {
-        const uint32_t tick = work->block.tick, stop = tick < run->window_first ? run->window_first : run->window_last;
+    uint32_t tick = tick_of(run, work);
+
+    while (ticks > 0 && tick < run->window_last) {
+        const uint32_t stop = tick < run->window_first ? run->window_first : run->window_last;
         const uint32_t part = ticks < stop - tick ? ticks : stop - tick;
 
-        kelly_block_advance(&work->block, part);
+        advance(run, part, work);
+        tick += part;
         ticks -= part;
-        if (tick + part == run->window_first) {
-            open_windows(table, run, count, results, work);
+        if (tick == run->window_first) {
+            open_window(table, run, count, results, work);
         }
     }
-    return run->window_last - work->block.tick;
+    return run->window_last - tick;
 }
 
 void kelly_run_finish(const kelly_table *table, const kelly_case *run, unsigned count, kelly_result *results, kelly_work *work)
@@ -84,9 +127,9 @@ void kelly_run_finish(const kelly_table *table, const kelly_case *run, unsigned 
     }
 }
 
+/* The rest of a block that has begun. */
 static void run_block(const kelly_table *table, const kelly_case *run, unsigned count, kelly_result *results, kelly_work *work)
 {
-    begin_block(table, run, count, results, work);
     (void)kelly_run_advance(table, run, count, results, work, run->window_last);
     kelly_run_finish(table, run, count, results, work);
 }
@@ -113,8 +156,7 @@ void kelly_run(const kelly_table *table, const kelly_case *run, uint64_t seed, u
         const unsigned lanes = lanes_of(count - done);
 
         kelly_run_begin(table, run, seed, first + done, lanes, &results[done], work);
-        (void)kelly_run_advance(table, run, lanes, &results[done], work, run->window_last);
-        kelly_run_finish(table, run, lanes, &results[done], work);
+        run_block(table, run, lanes, &results[done], work);
         done += lanes;
     }
 }
@@ -128,6 +170,7 @@ void kelly_run_draws(const kelly_table *table, const kelly_case *run, const kell
         for (unsigned l = 0; l < lanes; l++) {
             results[done + l] = (kelly_result){ .draw = draws[done + l], .status = KELLY_OK };
         }
+        begin_block(table, run, lanes, &results[done], work);
         run_block(table, run, lanes, &results[done], work);
         done += lanes;
     }

@@ -1,22 +1,26 @@
 /* ensemble.h - draw, integrate, classify a range of indices.
  *
- * kelly_run fills results[] for indices first .. first + count - 1: the same bits for any lane count and any way of
+ * The drive is that of the case, stiff or soft. kelly_run fills results[] for indices first .. first + count - 1: the same bits for any lane count and any way of
  * cutting the range.
  */
 #ifndef KELLY_ENSEMBLE_H
 #define KELLY_ENSEMBLE_H
 
+#include "drive.h"
 #include "integrator.h"
 #include "tally.h"
 
 /* What one call of kelly_run needs beside its results: the caller's, contents of no meaning between calls. */
 typedef struct {
-    kelly_block block;
+    union {
+        kelly_block block;       /* stiff drive */
+        kelly_driven driven;     /* soft drive */
+    };
     kelly_modes modes;
 } kelly_work;
 
 /* Realisations first .. first + count - 1 of `seed`; count >= 1, run and table checked by kelly_case_error and
- * kelly_table_error. Time: 450 count ticks operations. Stack: under 512 bytes. */
+ * kelly_table_error. Time: 450 count ticks operations (soft drive: 850). Stack: under 512 bytes. */
 void kelly_run(const kelly_table *table, const kelly_case *run, uint64_t seed, uint32_t first, uint32_t count,
                kelly_result *results, kelly_work *work);
 

@@ -58,6 +58,7 @@ typedef struct {
     real fc_mid, fc_scale;        /* [N], [1/N] */
     real alpha, beta;             /* damping: mass proportional [1/s], stiffness proportional [s] */
     real inertia;                 /* J = 1'M1, polar moment of inertia of the whole string [kg m2] */
+    real impedance;               /* Ip sqrt(rho G) of the uppermost section, what a soft drive matches [N m s/rad]; 0: unknown */
     const real *w2;               /* [torsional * (degree + 1)]  squared natural frequency [rad2/s2] */
     const real *b;                /* [torsional * (degree + 1)]  mode shape at the bit, > 0 [kg^-1/2 m^-1] */
     const real *d;                /* [torsional * (degree + 1)]  phi' M 1 [kg^1/2 m] */

@@ -2,6 +2,7 @@
 
 Literals are hexadecimal, so the compiler rounds each of them once, to float or to double.
 """
+import math
 import struct
 
 SCHEMA = 1          # KELLY_SCHEMA of string_model.h
@@ -16,7 +17,7 @@ def emit(well, bars, reduction, stable, certificate, source):
     counts = _counts(well, reduction)
     identity = f"{well.name}-{_crc32c(_bytes(counts, scalars, arrays, shapes)):08x}"
     table = (_banner(well, source, certificate) + _guards(well, stable)
-             + "".join(_array(*item) for item in arrays) + _table(identity, counts, scalars))
+             + "".join(_array(*item) for item in arrays) + _table(identity, counts, scalars, _impedance(well)))
     return table, _shapes_banner(well, source) + _shapes(identity, bars, shapes, reduction)
 
 
@@ -64,6 +65,12 @@ def _arrays(reduction):
 def _shape_arrays(bars, reduction):
     return [("x", [[v] for v in bars.x.tolist()])] + [
         (name, _polynomials(reduction.fit[name])) for name in ("twist", "axial", "twist_gram", "axial_gram")]
+
+
+def _impedance(well):
+    """Characteristic impedance of the uppermost section, for torsion. Follows from the rest: not in the CRC."""
+    top = well.sections[0]
+    return math.pi / 32.0 * (top.outer**4 - top.inner**4) * math.sqrt(well.density * well.shear)
 
 
 def _bytes(counts, scalars, arrays, shapes):
@@ -150,12 +157,13 @@ def _field(name, value, indent="    "):
     return f"{text:48} /* {value!r} */\n"
 
 
-def _table(identity, counts, scalars):
+def _table(identity, counts, scalars, impedance):
     text = "const kelly_table kelly_string = {\n    .schema = KELLY_SCHEMA,\n    .real_bytes = sizeof(real),\n"
     text += f'    .id = "{identity}",\n'
     text += "".join(f"    .{name} = {counts[name]},\n" for name in ("torsional", "axial", "degree", "nodes"))
     text += "".join(_field(name, scalars[name]) for name in
                     ("fc_min", "fc_max", "fc_mid", "fc_scale", "alpha", "beta", "inertia"))
+    text += _field("impedance", impedance)
     text += "".join(f"    .{name} = {name},\n" for name in
                     ("w2", "b", "d", "axial_w2", "axial_b", "free_w2", "axial_free_w2"))
     text += "    .nominal = {\n" + "".join(_field(name, scalars[name], " " * 8) for name in

@@ -254,8 +254,11 @@ static void print_axis(const advice *a, unsigned weight)
 
 static void print_advice(const advice *a)
 {
-    printf("%s, start %s, mu %.6g, f0 %.6g kN, %u samples, seed %llu\n", kelly_string.id, a->now.rotating ? "rotating" : "rest",
-           (double)a->opts.run.mu, a->now.f0_kN, a->opts.samples, (unsigned long long)a->opts.seed);
+    char drive[DRIVE_TEXT];
+
+    printf("%s, start %s, mu %.6g, f0 %.6g kN, %u samples, seed %llu%s\n", kelly_string.id, a->now.rotating ? "rotating" : "rest",
+           (double)a->opts.run.mu, a->now.f0_kN, a->opts.samples, (unsigned long long)a->opts.seed,
+           drive_remark(&a->opts.run.drive, drive));
     printf("now                  %.6g rpm, %.6g kN: ", a->now.rpm, a->now.wob_kN);
     print_probability(&a->now);
     if (cautious(&a->now) < a->limit) {
@@ -288,9 +291,12 @@ static void json_setting(FILE *to, const char *name, const cell *c, const char *
 
 static void write_json(FILE *to, const advice *a)
 {
+    char drive[DRIVE_TEXT];
+
     fprintf(to, "{\n  \"model\": \"%s\",\n  \"real\": \"%s\",\n  \"seed\": %llu,\n  \"first\": %u,\n  \"start\": \"%s\",\n  \"below\": %.12g,\n",
             kelly_string.id, sizeof(real) > 4 ? "double" : "float", (unsigned long long)a->opts.seed, a->opts.first,
             a->now.rotating ? "rotating" : "rest", a->limit);
+    fprintf(to, "  \"drive\": \"%s\",\n", drive_text(&a->opts.run.drive, drive));
     fprintf(to, "  \"searched_rpm\": [%.12g, %.12g],\n  \"searched_wob_kN\": [%.12g, %.12g],\n  \"below_already\": %s,\n", a->range[0].lo,
             a->range[0].hi, a->range[1].lo, a->range[1].hi, cautious(&a->now) < a->limit ? "true" : "false");
     json_setting(to, "now", &a->now, ",");

@@ -127,10 +127,11 @@ static uint32_t parameters(const map_run *m)
             crc = kelly_crc32c(crc, (const uint8_t *)text, (size_t)n);
         }
     }
-    snprintf(text, sizeof(text), "%s %u %u %a f0 %d %a mu %a %a %a cov %a %a %a %a %a limit %a time %u %u %u %u modes %u", KELLY_VERSION,
+    snprintf(text, sizeof(text), "%s %u %u %a f0 %d %a mu %a %a %a cov %a %a %a %a %a limit %a time %u %u %u %u modes %u drive %a %a %a", KELLY_VERSION,
              m->opts.samples, m->opts.first, m->how.width, m->f0_given, m->f0_given ? (double)r->f0 : 0.0, (double)r->mu, (double)r->a1,
              (double)r->a2, (double)r->cov[0], (double)r->cov[1], (double)r->cov[2], (double)r->cov[3], (double)r->cov[4],
-             (double)r->limit, r->step_ns, r->ticks, r->window_first, r->window_last, r->torsional);
+             (double)r->limit, r->step_ns, r->ticks, r->window_first, r->window_last, r->torsional,
+             (double)r->drive.inertia, (double)r->drive.impedance, (double)r->drive.hz);
     return kelly_crc32c(crc, (const uint8_t *)text, strlen(text));
 }
 

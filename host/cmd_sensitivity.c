@@ -136,6 +136,7 @@ static void write_measure(FILE *to, const outcome *out, unsigned m)
 static void write_json(FILE *to, const outcome *out)
 {
     const kelly_case *const run = &out->opts->run;
+    char drive[DRIVE_TEXT];
 
     fputs("{\n", to);
     for (unsigned m = 0; m < MEASURES; m++) {
@@ -150,9 +151,9 @@ static void write_json(FILE *to, const outcome *out)
             out->tally.samples, kelly_refused(&out->tally), out->tally.liftoff, (unsigned long long)out->opts->seed, out->opts->first,
             out->tally.digest);
     fprintf(to, "  \"case\": {\"rpm\": %.9g, \"wob_kN\": %.9g, \"mu\": %.9g, \"alpha1\": %.9g, \"alpha2\": %.9g, \"f0_kN\": %.9g, \"start\": \"%s\", \"limit\": %.9g,\n"
-            "           \"cov\": {\"fc\": %.9g, \"mu\": %.9g, \"a1\": %.9g, \"a2\": %.9g, \"rpm\": %.9g}},\n",
+            "           \"drive\": \"%s\", \"cov\": {\"fc\": %.9g, \"mu\": %.9g, \"a1\": %.9g, \"a2\": %.9g, \"rpm\": %.9g}},\n",
             (double)run->w0 / RPM, (double)run->fc / 1000.0, (double)run->mu, (double)run->a1, (double)run->a2, (double)run->f0 / 1000.0,
-            run->rotating ? "rotating" : "rest", (double)run->limit, (double)run->cov[0], (double)run->cov[1], (double)run->cov[2],
+            run->rotating ? "rotating" : "rest", (double)run->limit, drive_text(&run->drive, drive), (double)run->cov[0], (double)run->cov[1], (double)run->cov[2],
             (double)run->cov[3], (double)run->cov[4]);
     fprintf(to, "  \"real\": \"%s\",\n  \"model\": \"%s\",\n  \"engine\": \"%s\",\n  \"seconds\": %.6f\n}\n", sizeof(real) > 4 ? "double" : "float",
             kelly_string.id, out->engine->name, out->seconds);
@@ -180,10 +181,11 @@ static void print_measure(const outcome *out, unsigned m)
 static void print_outcome(const outcome *out)
 {
     const kelly_case *const run = &out->opts->run;
+    char drive[DRIVE_TEXT];
 
-    printf("%s, %.6g rpm, %.6g kN, f0 %.6g kN, mu %.6g, alpha1 %.6g, alpha2 %.6g, start %s, limit %.6g\n", kelly_string.id, (double)run->w0 / RPM,
+    printf("%s, %.6g rpm, %.6g kN, f0 %.6g kN, mu %.6g, alpha1 %.6g, alpha2 %.6g, start %s, limit %.6g%s\n", kelly_string.id, (double)run->w0 / RPM,
            (double)run->fc / 1000.0, (double)run->f0 / 1000.0, (double)run->mu, (double)run->a1, (double)run->a2, run->rotating ? "rotating" : "rest",
-           (double)run->limit);
+           (double)run->limit, drive_remark(&run->drive, drive));
     print_measure(out, OF_STUCK);
     print_measure(out, OF_SS);
     printf("%u rows, %u left out, %u realisations, seed %llu, digest %08x, %s, %s, %.2f s\n", out->rows, out->left_out, out->tally.samples,

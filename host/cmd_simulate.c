@@ -36,19 +36,19 @@ typedef struct {
     real lowest, highest, mean;
 } window_speeds;
 
-/* A window opens: the mean is the difference of the bit's twist over it, see kelly_block_twist. */
+/* A window opens: the mean is the difference of the bit's twist over it, see kelly_plant_twist. */
 static void open_window(kelly_plant *plant, window_speeds *w)
 {
-    kelly_block_watch(&plant->block);
-    w->mean = kelly_block_twist(&plant->block, 0, &plant->modes);
+    kelly_plant_watch(plant);
+    w->mean = kelly_plant_twist(plant);
 }
 
 static void close_window(const kelly_plant *plant, const kelly_case *run, window_speeds *w)
 {
     const double seconds = case_seconds(run, run->window_last - run->window_first);
 
-    kelly_block_extremes(&plant->block, 0, &w->lowest, &w->highest);
-    w->mean = plant->draw.w0 + (kelly_block_twist(&plant->block, 0, &plant->modes) - w->mean) / (real)seconds;
+    kelly_plant_extremes(plant, &w->lowest, &w->highest);
+    w->mean = plant->draw.w0 + (kelly_plant_twist(plant) - w->mean) / (real)seconds;
 }
 
 /* The whole run, a line at tick 0 and after every out-step; fills what the summary needs. */
@@ -134,7 +134,7 @@ int command_simulate(int argc, char **argv)
     fputs(SIGHT_HEADER, file.stream);
     field_open(&field, opts.field, &opts, &draw);
     run_to(file.stream, &field, &plant, &opts, &window);
-    if (!kelly_block_sane(&plant.block, 0) || !isfinite(kelly_axial_speed(&plant.axial))) {
+    if (!kelly_plant_sane(&plant)) {
         die(EXIT_FAILED, "simulate: the state left all bounds; no result");
     }
     outfile_close(&file);

@@ -51,7 +51,7 @@ static double norm2(const scratch *s)
 {
     real q[KELLY_MODES_MAX], v[KELLY_MODES_MAX];
 
-    kelly_block_modal(&s->plant.block, 0, &s->plant.modes, &kelly_string, q, v);
+    kelly_plant_modal(&s->plant, q, v);
     return quadratic(s->twist_gram, q, s->plant.modes.count) + quadratic(s->axial_gram, s->plant.axial.p, s->plant.axial.count);
 }
 
@@ -78,7 +78,7 @@ static double response(const options *opts, uint32_t index, scratch *s)
         sum += 0.5 * dt * (last + next);
         last = next;
     }
-    return kelly_block_sane(&s->plant.block, 0) ? sum : (double)NAN;
+    return kelly_plant_sane(&s->plant) ? sum : (double)NAN;
 }
 
 static void work_piece(const options *opts, uint32_t first, uint32_t count, void *results, void *work)

@@ -50,7 +50,8 @@ const kelly_engine *engine_choose(const char *name)
 
 unsigned engine_lanes(const kelly_engine *e, const kelly_case *run)
 {
-    const unsigned vector = (unsigned)(run->torsional * (sizeof(kelly_mode) / sizeof(vreal)) * e->width * sizeof(real));
+    const size_t stiff = run->torsional * sizeof(kelly_mode), soft = run->torsional * sizeof(kelly_driven_mode) + sizeof(kelly_driven_lane);
+    const unsigned vector = (unsigned)((run->drive.inertia > 0 ? soft : stiff) / sizeof(vreal) * e->width * sizeof(real));
     const unsigned fit = CACHE / vector, whole = e->lanes / e->width;
 
     return e->width * (fit < 1 ? 1 : fit < whole ? fit : whole);

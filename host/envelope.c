@@ -158,7 +158,7 @@ static void run_one(const options *opts, uint32_t index, kelly_plant *plant)
         look(plant, j, t);
     }
     kelly_plant_advance(plant, opts->run.ticks % opts->out_ticks);   /* whether it is sane is asked at the end, as in every run */
-    store.counted[j] = (uint8_t)kelly_block_sane(&plant->block, 0);
+    store.counted[j] = (uint8_t)kelly_plant_sane(plant);
 }
 
 static void run_piece(const options *opts, uint32_t first, uint32_t count, void *results, void *work)

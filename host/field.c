@@ -81,7 +81,7 @@ static void fill_row(field_file *field, const kelly_plant *plant, double time)
 {
     real q[KELLY_MODES_MAX], v[KELLY_MODES_MAX];
 
-    kelly_block_modal(&plant->block, 0, &plant->modes, &kelly_string, q, v);
+    kelly_plant_modal(plant, q, v);
     for (unsigned k = 0; k < kelly_string.nodes; k++) {
         double *const record = &field->row[k * COLUMNS];
 

@@ -4,7 +4,7 @@
 
 #include "host.h"
 
-#define CASES 14
+#define CASES 15
 
 /* Options that several subcommands share; the parsers stand in options.c. */
 static const option_help case_options[CASES + 1] = {
@@ -15,6 +15,8 @@ static const option_help case_options[CASES + 1] = {
     { "--alpha1", "A", "alpha_1 of the torque law [s/rad]" },
     { "--alpha2", "A", "alpha_2 of the torque law [s2/rad2]" },
     { "--start", "rest|rotating", "state of the string at t = 0" },
+    { "--drive", "stiff|soft:Z=..,f=..,J=..", "of the top: turns at --rpm whatever the torque, or yields: impedance Z [N m s/rad] (default: the "
+      "pipe's), return frequency f [Hz] (default 0.2), inertia J [kg m2] (default 2900)" },
     { "--duration", "T", "length of the run [s], a multiple of the step" },
     { "--window", "FROM:TO", "where severity is taken [s]; with --duration: its last half" },
     { "--step", "H", "RK4 step [s]" },
@@ -69,7 +71,7 @@ static void case_defaults(char text[CASES][DEFAULT_TEXT])
 {
     const kelly_case *const run = &kelly_string.nominal;
     const double number[CASES] = {
-        (double)run->w0 / RPM, (double)run->fc / 1000.0, (double)run->f0 / 1000.0, (double)run->mu, (double)run->a1, (double)run->a2, 0,
+        (double)run->w0 / RPM, (double)run->fc / 1000.0, (double)run->f0 / 1000.0, (double)run->mu, (double)run->a1, (double)run->a2, 0, 0,
         case_seconds(run, run->ticks), 0, case_seconds(run, 1), 0.01, (double)run->limit, run->torsional, run->axial,
     };
 
@@ -77,7 +79,8 @@ static void case_defaults(char text[CASES][DEFAULT_TEXT])
         snprintf(text[i], DEFAULT_TEXT, " (default %.6g)", number[i]);
     }
     snprintf(text[6], DEFAULT_TEXT, " (default %s)", run->rotating ? "rotating" : "rest");
-    snprintf(text[8], DEFAULT_TEXT, " (default %.6g:%.6g)", case_seconds(run, run->window_first), case_seconds(run, run->window_last));
+    snprintf(text[7], DEFAULT_TEXT, " (default stiff)");
+    snprintf(text[9], DEFAULT_TEXT, " (default %.6g:%.6g)", case_seconds(run, run->window_first), case_seconds(run, run->window_last));
 }
 
 static void walk_one(const option_group *group, const char *without, option_visit visit, void *context)

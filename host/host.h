@@ -52,6 +52,14 @@ uint64_t option_whole(const char *option, const char *text, uint64_t lo, uint64_
 /* A --cov: one number for all, or name=number,... (see law_names in options.c); those of parameters not named stay. */
 void option_covs(float cov[KELLY_PARAMETERS], const char *text);
 
+/* A --drive: stiff, or soft with its values; see drive.c. Dies with exit 2. */
+void option_drive(kelly_drive *drive, const char *text);
+
+/* The drive as --drive takes it; for a summary, ", drive ..." or nothing where it is stiff. Both return `text`. */
+#define DRIVE_TEXT 112
+const char *drive_text(const kelly_drive *drive, char text[DRIVE_TEXT]);
+const char *drive_remark(const kelly_drive *drive, char text[DRIVE_TEXT]);
+
 /* Seconds of a case from its ticks. */
 double case_seconds(const kelly_case *run, uint32_t ticks);
 

@@ -146,11 +146,14 @@ static void json_edges(FILE *to, const driller_map *map, unsigned start)
 
 static void json_case(FILE *to, const kelly_case *run)
 {
+    char drive[DRIVE_TEXT];
+
     fprintf(to, "  \"case\": {\"rpm\": %.7g, \"wob_kN\": %.7g, \"mu\": %.9g, \"alpha1\": %.9g, \"alpha2\": %.9g, \"duration_s\": %.9g, "
             "\"window_s\": [%.9g, %.9g], \"step_s\": %.9g, \"limit\": %.9g, \"torsional\": %u,\n",
             (double)kelly_string.nominal.w0 / RPM, (double)kelly_string.nominal.fc / 1000.0, (double)run->mu, (double)run->a1,
             (double)run->a2, case_seconds(run, run->ticks), case_seconds(run, run->window_first), case_seconds(run, run->window_last),
             case_seconds(run, 1), (double)run->limit, run->torsional);
+    fprintf(to, "           \"drive\": \"%s\",\n", drive_text(&run->drive, drive));
     fprintf(to, "           \"cov\": {\"fc\": %.9g, \"mu\": %.9g, \"a1\": %.9g, \"a2\": %.9g, \"rpm\": %.9g}},\n", (double)run->cov[0],
             (double)run->cov[1], (double)run->cov[2], (double)run->cov[3], (double)run->cov[4]);
 }

@@ -218,6 +218,8 @@ static int parse_case(options *out, times *when, const char *name, const char *v
             die(EXIT_USAGE, "--start %s: unknown; give rest or rotating", value);
         }
         run->rotating = strcmp(value, "rotating") == 0;
+    } else if (strcmp(name, "--drive") == 0) {
+        option_drive(&run->drive, value);
     } else {
         return 0;
     }

@@ -60,12 +60,14 @@ static uint32_t listed(const outcome *out)
 static void write_case(FILE *to, const outcome *out)
 {
     const kelly_case *const run = &out->opts->run;
+    char drive[DRIVE_TEXT];
 
     fprintf(to, "  \"case\": {\"rpm\": %.9g, \"wob_kN\": %.9g, \"mu\": %.9g, \"alpha1\": %.9g, \"alpha2\": %.9g, \"f0_kN\": %.9g, \"start\": \"%s\", "
             "\"duration_s\": %.9g, \"window_s\": [%.9g, %.9g], \"step_s\": %.9g, \"limit\": %.9g, \"torsional\": %u,\n",
             (double)run->w0 / RPM, (double)run->fc / 1000.0, (double)run->mu, (double)run->a1, (double)run->a2, (double)run->f0 / 1000.0,
             run->rotating ? "rotating" : "rest", case_seconds(run, run->ticks), case_seconds(run, run->window_first),
             case_seconds(run, run->window_last), case_seconds(run, 1), (double)run->limit, run->torsional);
+    fprintf(to, "           \"drive\": \"%s\",\n", drive_text(&run->drive, drive));
     fprintf(to, "           \"cov\": {\"fc\": %.9g, \"mu\": %.9g, \"a1\": %.9g, \"a2\": %.9g, \"rpm\": %.9g}},\n",
             (double)run->cov[0], (double)run->cov[1], (double)run->cov[2], (double)run->cov[3], (double)run->cov[4]);
 }
@@ -134,11 +136,12 @@ static void write_json(FILE *to, const outcome *out, double lo, double hi)
 static void print_case(const outcome *out)
 {
     const kelly_case *const run = &out->opts->run;
+    char drive[DRIVE_TEXT];
 
-    printf("%s, %.6g rpm, %.6g kN, f0 %.6g kN, mu %.6g, alpha1 %.6g, alpha2 %.6g, start %s, window %.6g:%.6g s, step %.6g s\n", kelly_string.id,
+    printf("%s, %.6g rpm, %.6g kN, f0 %.6g kN, mu %.6g, alpha1 %.6g, alpha2 %.6g, start %s, window %.6g:%.6g s, step %.6g s%s\n", kelly_string.id,
            (double)run->w0 / RPM, (double)run->fc / 1000.0, (double)run->f0 / 1000.0, (double)run->mu, (double)run->a1, (double)run->a2,
            run->rotating ? "rotating" : "rest", case_seconds(run, run->window_first), case_seconds(run, run->window_last),
-           case_seconds(run, 1));
+           case_seconds(run, 1), drive_remark(&run->drive, drive));
 }
 
 /* Red where stick-slip is the likelier, green where it is certain to be rare, yellow between. */

@@ -559,6 +559,7 @@ const kelly_table kelly_string = {
     .alpha = R(0x1.999999999999ap-4),            /* 0.1 */
     .beta = R(0x1.4f8b588e368f1p-14),            /* 8e-05 */
     .inertia = R(0x1.92a65f2f2d362p+7),          /* 201.32494494845292 */
+    .impedance = R(0x1.2147d033c5129p+8),        /* 289.2805206638464 */
     .w2 = w2,
     .b = b,
     .d = d,
