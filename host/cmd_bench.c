@@ -228,6 +228,8 @@ int command_bench(int argc, char **argv)
 
         board_parse(&boards[i], ask.port[i].text, image, ask.port[i].icount ? ask.port[i].icount : ask.icount);
     }
-    tell_emulators(boards, ask.ports);
+    if (!ask.opts.quiet) {
+        tell_emulators(boards, ask.ports);
+    }
     return modes[ask.mode](&ask, boards);
 }

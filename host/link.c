@@ -8,9 +8,10 @@
 #include "link.h"
 
 #define ANSWER_TIME 3.0          /* [s] before a request is repeated; an emulator may stall for one */
+#define FAULTY_TIME 0.5          /* the same on a line that has been seen to lose frames */
 #define ALIVE_TIME 0.3           /* the same where the board has sent a sign of life since */
 #define DROPPED_TIME 0.02        /* and where that says that it has dropped a frame */
-#define TRIES_MOST 6u            /* of a request, before the board is greeted anew */
+#define REQUEST_TIME 20.0        /* [s] of repeating a request, after which the board is greeted anew */
 #define HELLO_SOON 0.25          /* [s] between the first hellos: one may come before the UART of the board is up */
 #define HELLO_TIME 1.0           /* and between later ones */
 #define HELLOS_SOON 4u
@@ -37,25 +38,30 @@ uint32_t board_send(board *b, uint8_t type, const uint8_t *body, size_t size)
     return b->seq;
 }
 
+static void send_request(board *b)
+{
+    const int faulty = b->bad + b->receiver.bad + b->bad_there > 0;
+
+    b->request_sent = port_now();
+    b->request_due = b->request_sent + (faulty ? FAULTY_TIME : ANSWER_TIME);
+    port_write(&b->port, b->request, b->request_size);
+}
+
 uint32_t board_ask(board *b, uint8_t type, const uint8_t *body, size_t size)
 {
     b->request_seq = ++b->seq;
     b->request_size = kelly_frame(b->request, type, b->request_seq, body, size);
-    b->request_sent = port_now();
-    b->request_tries = 0;
-    port_write(&b->port, b->request, b->request_size);
+    b->request_begun = port_now();
+    send_request(b);
     return b->request_seq;
 }
 
-/* Repeat the request if this long has passed. */
-static void ask_again(board *b, double after)
+/* There is reason to repeat the request this long after it was sent last. */
+static void hurry(board *b, double after)
 {
-    if (b->request_size > 0 && port_now() - b->request_sent > after) {
-        b->request_sent = port_now();
-        b->request_tries++;
-        b->retries++;
-        port_write(&b->port, b->request, b->request_size);
-    }
+    const double due = b->request_sent + after;
+
+    b->request_due = due < b->request_due ? due : b->request_due;
 }
 
 static void greet(board *b)
@@ -162,7 +168,7 @@ static void sign_of_life(board *b, const uint8_t *body, size_t size)
     kelly_msg_status status;
 
     if (kelly_get_status(body, size, &status)) {
-        ask_again(b, status.bad != b->bad_there ? DROPPED_TIME : ALIVE_TIME);
+        hurry(b, status.bad != b->bad_there ? DROPPED_TIME : ALIVE_TIME);
         b->bad_there = status.bad;
     }
 }
@@ -196,8 +202,12 @@ static void take_bytes(link_set *set, board *b)
         lose(set, b, b->port.why);
     }
     for (long i = 0; i < n && b->port.fd >= 0; i++) {
-        if (kelly_receive(&b->receiver, bytes[i]) > 0) {
+        const int got = kelly_receive(&b->receiver, bytes[i]);
+
+        if (got > 0) {
             take_frame(set, b);
+        } else if (got < 0 && b->state == BOARD_READY) {   /* it may have been the answer */
+            hurry(b, DROPPED_TIME);
         }
     }
 }
@@ -223,11 +233,11 @@ static void attend(link_set *set, board *b)
         }
     } else if (b->state == BOARD_READY && b->patience > 0 && now - b->heard > b->patience) {
         link_greet(set, b, "the board fell silent");
-    } else if (b->state == BOARD_READY) {
-        ask_again(b, ANSWER_TIME);
-        if (b->request_size > 0 && b->request_tries > TRIES_MOST) {
-            link_greet(set, b, "the board does not answer");
-        }
+    } else if (b->state == BOARD_READY && b->request_size > 0 && now - b->request_begun > REQUEST_TIME) {
+        link_greet(set, b, "the board does not answer");
+    } else if (b->state == BOARD_READY && b->request_size > 0 && now >= b->request_due) {
+        b->retries++;
+        send_request(b);
     }
 }
 
@@ -254,6 +264,7 @@ void link_begin(link_set *set)
 void link_wait(link_set *set, double seconds)
 {
     struct pollfd lines[LINES_MOST];
+    const double now = port_now();
     int any = 0;
 
     for (unsigned i = 0; i < set->count; i++) {
@@ -261,6 +272,9 @@ void link_wait(link_set *set, double seconds)
 
         attend(set, b);
         any |= b->state == BOARD_READY;
+        if (b->request_size > 0 && b->request_due - now < seconds) {
+            seconds = b->request_due > now ? b->request_due - now : 0;
+        }
         lines[i] = (struct pollfd){ .fd = b->port.fd, .events = (short)(POLLIN | (b->port.connecting || b->port.waiting > 0 ? POLLOUT : 0)) };
     }
     if (any) {

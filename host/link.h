@@ -23,8 +23,7 @@ typedef struct {
     uint8_t request[KELLY_WIRE_MAX];   /* not answered yet */
     size_t request_size;          /* 0: there is none */
     uint32_t request_seq;
-    double request_sent;
-    unsigned request_tries;
+    double request_begun, request_sent, request_due;   /* when it was sent first and last, and is to be sent again */
     double heard;                 /* when a good frame came last */
     double patience;              /* [s] of silence after which it is greeted anew; 0: it may be silent */
     uint32_t bad_there;           /* frames that it dropped, as it said last */
