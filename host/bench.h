@@ -37,6 +37,9 @@ void bench_case(const kelly_case *run, kelly_msg_case_set *set);
 void bench_write_board(FILE *to, const board *b);
 
 
+/* Whether a summary is wanted on stdout: no --quiet, and stdout is not one of the files. */
+int bench_speaks(const options *opts);
+
 /* The modes: boards are parsed, nothing is open. Return the exit status. */
 int bench_campaign(const bench_request *ask, board *boards);
 int bench_lockstep(const bench_request *ask, board *b);

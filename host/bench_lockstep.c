@@ -3,7 +3,6 @@
 #include <string.h>
 
 #include "bench_session.h"
-#include "outcome.h"
 
 #define FIELDS 6u
 
@@ -136,7 +135,7 @@ static void report(lockstep *l)
     if (l->s.ask->opts.json) {
         write_json(l);
     }
-    if (outcome_speaks(&l->s.ask->opts)) {
+    if (bench_speaks(&l->s.ask->opts)) {
         printf("%s, %s: %u frames of %u steps, %.6g s: %llu differing bits in %llu values\n", l->s.b->port.text, l->s.b->is.board, l->frames,
                l->s.ask->frame_ticks, case_seconds(&l->s.run, l->tick), (unsigned long long)l->bits, (unsigned long long)l->values);
         printf("round trip %.3f ms median, %.3f ms 95 %%, %.3f ms worst; %.0f frames/s; %u requests repeated\n", 1e3 * l->trips[l->frames / 2],

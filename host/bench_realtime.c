@@ -10,7 +10,6 @@
 #include <unistd.h>
 
 #include "bench_session.h"
-#include "outcome.h"
 
 #define COMMAND_TIME 0.1         /* [s] between commands along a profile */
 #define QUIET_TIME 2.0           /* [s] without a sample, after which the board is asked how it goes */
@@ -185,7 +184,7 @@ static int finish(const realtime *r)
     if (r->s.ask->opts.json) {
         write_books(r);
     }
-    if (outcome_speaks(&r->s.ask->opts) && !(r->s.ask->opts.out && strcmp(r->s.ask->opts.out, "-") == 0)) {
+    if (bench_speaks(&r->s.ask->opts)) {
         print_books(r);
     }
     if (m->unsane > 0) {

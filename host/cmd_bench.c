@@ -4,6 +4,7 @@
 
 #include "bench.h"
 #include "map.h"
+#include "outcome.h"
 
 static const option_help bench_options[] = {
     { "--port", "P", "a board: /dev/ttyACM0[,baud=N] (115200, 8N1), tcp:HOST:PORT, unix:PATH, or qemu:NAME, a target of linker/ in its emulator; "
@@ -181,6 +182,11 @@ void bench_case(const kelly_case *run, kelly_msg_case_set *set)
         .window_first = run->window_first, .window_last = run->window_last, .torsional = run->torsional, .axial = run->axial,
         .rotating = run->rotating, .drive_inertia = run->drive.inertia, .drive_impedance = run->drive.impedance, .drive_hz = run->drive.hz,
     };
+}
+
+int bench_speaks(const options *opts)
+{
+    return outcome_speaks(opts) && !(opts->out && strcmp(opts->out, "-") == 0);
 }
 
 static void write_text(FILE *to, const char *name, const char *text)

@@ -100,6 +100,20 @@ static void add_words(port *p, unsigned *n, const char *const words[])
     }
 }
 
+/* Dies with exit 2 where no folder of PATH has the emulator. */
+static void check_installed(const port *p)
+{
+    char path[PORT_TEXT];
+
+    for (const char *at = getenv("PATH"); at && *at; at += strcspn(at, ":"), at += *at == ':') {
+        snprintf(path, sizeof(path), "%.*s/%s", (int)strcspn(at, ":"), at, p->words[0]);
+        if (access(path, X_OK) == 0) {
+            return;
+        }
+    }
+    die(EXIT_USAGE, "--port %s: %s is not installed; Debian: apt install qemu-system-arm qemu-system-misc", p->text, p->words[0]);
+}
+
 void emulator_command(port *p, const char *image, const char *icount)
 {
     static const char *const line[] = { "-display", "none", "-monitor", "none", "-serial", "stdio", 0 };
@@ -128,6 +142,7 @@ void emulator_command(port *p, const char *image, const char *icount)
     }
     add_words(p, &n, (const char *const[]){ "-kernel", p->image, 0 });
     p->words[n] = 0;
+    check_installed(p);
 }
 
 /* ---- the process --------------------------------------------------------------------------------------------- */
@@ -173,7 +188,7 @@ static _Noreturn void become(const port *p, int line, pid_t parent)
     if (getppid() == parent && dup2(line, STDIN_FILENO) >= 0 && dup2(line, STDOUT_FILENO) >= 0) {
         execvp(p->words[0], (char *const *)(uintptr_t)p->words);   /* execvp does not write to them */
     }
-    fprintf(stderr, "kelly: %s: cannot be started: %s; Debian: apt install qemu-system-arm qemu-system-misc\n", p->words[0], strerror(errno));
+    fprintf(stderr, "kelly: %s: cannot be started: %s\n", p->words[0], strerror(errno));
     _exit(127);
 }
 

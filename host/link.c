@@ -158,6 +158,7 @@ static void take_greeting(link_set *set, board *b, const uint8_t *body, size_t s
     b->state = BOARD_READY;
     b->hellos = 0;
     b->ups++;
+    b->port.tries = 0;
     set->on.up(set->on.context, b);
 }
 
@@ -242,7 +243,7 @@ static void attend(link_set *set, board *b)
 }
 
 /* Each board, what was tried and what came of it. */
-static _Noreturn void give_up(const link_set *set)
+static _Noreturn void give_up(const link_set *set, double seconds)
 {
     char text[1024] = "";
 
@@ -250,10 +251,10 @@ static _Noreturn void give_up(const link_set *set)
         const board *const b = &set->boards[i];
         const size_t used = strlen(text);
 
-        snprintf(text + used, sizeof(text) - used, "%s%s: opened %u times, %s", i ? "; " : "", b->port.text, b->port.opened,
+        snprintf(text + used, sizeof(text) - used, "%s%s: opened %u times, last: %s", i ? "; " : "", b->port.text, b->port.opened,
                  b->port.why[0] ? b->port.why : b->state == BOARD_GREETED ? "no answer to hello" : "no line");
     }
-    die(EXIT_FAILED, "no board for %.0f s: %s", set->give_up, text);
+    die(EXIT_FAILED, "no board for %.0f s: %s", seconds, text);
 }
 
 void link_begin(link_set *set)
@@ -265,13 +266,14 @@ void link_wait(link_set *set, double seconds)
 {
     struct pollfd lines[LINES_MOST];
     const double now = port_now();
-    int any = 0;
+    int any = 0, hope = 0;
 
     for (unsigned i = 0; i < set->count; i++) {
         board *const b = &set->boards[i];
 
         attend(set, b);
         any |= b->state == BOARD_READY;
+        hope |= !b->port.hopeless;
         if (b->request_size > 0 && b->request_due - now < seconds) {
             seconds = b->request_due > now ? b->request_due - now : 0;
         }
@@ -279,8 +281,8 @@ void link_wait(link_set *set, double seconds)
     }
     if (any) {
         set->ready = port_now();
-    } else if (port_now() - set->ready > set->give_up) {
-        give_up(set);
+    } else if (!hope || now - set->ready > set->give_up) {
+        give_up(set, now - set->ready);
     }
     if (poll(lines, set->count, (int)(1000.0 * seconds + 0.999)) <= 0) {
         return;

@@ -18,6 +18,8 @@
 
 #define PAUSE_FIRST 0.1          /* [s] before a line is tried again */
 #define PAUSE_MOST 2.0
+#define STARTS_MOST 20u          /* of an emulator in all, */
+#define TRIES_MOST 5u            /* and without an answer */
 
 double port_now(void)
 {
@@ -109,6 +111,7 @@ static int fail(port *p)
     p->again = port_now() + (pause < PAUSE_MOST ? pause : PAUSE_MOST);
     p->fd = -1;
     p->connecting = 0;
+    p->hopeless = p->kind == PORT_EMULATOR && (p->tries >= TRIES_MOST || p->opened >= STARTS_MOST);
     return 0;
 }
 
@@ -143,6 +146,12 @@ static int settle_serial(port *p)
 static int open_serial(port *p)
 {
     p->fd = open(p->where, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+    if (p->fd < 0 && errno == EACCES) {
+        die(EXIT_FAILED, "%s: no permission; on Debian add yourself to the group dialout", p->where);
+    }
+    if (p->fd >= 0 && !isatty(p->fd)) {
+        die(EXIT_USAGE, "--port %s: not a serial device; give /dev/ttyACM0, tcp:HOST:PORT, unix:PATH or qemu:NAME", p->text);
+    }
     if (p->fd < 0 || !settle_serial(p)) {
         return fail_at(p, p->where);
     }
@@ -186,10 +195,7 @@ static int open_tcp(port *p)
 static int open_emulator(port *p)
 {
     p->fd = emulator_start(p);
-    if (p->fd < 0) {
-        return fail_at(p, p->words[0]);
-    }
-    return 1;
+    return p->fd >= 0 ? 1 : fail_at(p, p->words[0]);
 }
 
 int port_open(port *p)
@@ -199,7 +205,7 @@ int port_open(port *p)
     if (p->fd >= 0) {
         return 1;
     }
-    if (port_now() < p->again) {
+    if (p->hopeless || port_now() < p->again) {
         return 0;
     }
     p->waiting = 0;
@@ -243,7 +249,6 @@ long port_read(port *p, uint8_t *bytes, size_t room)
     const ssize_t n = read(p->fd, bytes, room);
 
     if (n > 0) {
-        p->tries = 0;
         return (long)n;
     }
     if (n < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) {

@@ -1,5 +1,5 @@
 /* port.h - a line to a board: a serial device, a socket, or an emulator that is started here. Nothing waits: file descriptors are
- * non-blocking, and a line that is gone is opened again after a pause that doubles up to two seconds. */
+ * non-blocking, and a line that is gone is opened again after a pause that doubles up to two seconds. An emulator that dies again and again is given up. */
 #ifndef KELLY_PORT_H
 #define KELLY_PORT_H
 
@@ -29,7 +29,8 @@ typedef struct {
     int connecting;               /* a socket that is not through yet */
     pid_t child;                  /* emulator, 0: none */
     unsigned opened;              /* times that it was */
-    unsigned tries;               /* in vain since it was open last */
+    unsigned tries;               /* in vain since a board answered there; whoever hears it sets 0 */
+    int hopeless;                 /* an emulator that does not live: not started again */
     double again;                 /* when the next one is due [s of port_now] */
     char why[160];                /* what went wrong last, "" if nothing did */
     uint8_t out[PORT_WAITING];    /* not taken by the line yet */
