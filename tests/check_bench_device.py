@@ -5,7 +5,6 @@ hello and the image's CRC against the ELF file, campaigns against `kelly monteca
 on the emulator's deterministic clock, the console, WITS, and what must not disturb any of them. Last line `N passed, N failed`.
 """
 import concurrent.futures
-import csv
 import os
 import random
 import re
@@ -14,68 +13,17 @@ import subprocess
 import sys
 import time
 
-import numpy
-
 import wits
+from bench_answers import differs, digest, montecarlo
 from bench_board import CASE, Board, Silent, as_float, image, link, loaded
 from run_target import ROOT
 
-KELLY = os.path.join(ROOT, "build", "host", "kelly")
 BOARDS = ("stm32f405", "mps2-an500", "rv32", "microbit")
 CLOCK = "shift=5,sleep=off"        # 32 ns an instruction: 31 MHz
 W0 = CASE["w0"]
 START = {"source": 0, "seed": 0, "index": 0, "top_speed": W0, "duration": 0, "stream_ticks": 0, "command_ms": 0, "policy": 0,
          "ramp_ms": 0, "overload_steps": 0, "overload_us": 0}
 SOFT = {"drive_inertia": 2900.0, "drive_impedance": 289.0, "drive_hz": as_float(0.2)}
-
-
-# ---- the host's word ----
-
-def montecarlo(samples, *extra):
-    """Rows of the CSV and the digest."""
-    path = os.path.join(ROOT, "build", f"bench-{samples}-{len(extra)}.csv")
-    words = [KELLY, "montecarlo", "--duration", "4", "--window", "2:4", "--mu", "0.04", "--cov", "0.2", "--samples", str(samples), "--csv", path, *extra]
-    done = subprocess.run(words, check=True, capture_output=True, text=True)
-    with open(path, encoding="ascii", newline="") as file:
-        return list(csv.DictReader(file)), re.search("digest ([0-9a-f]{8})", done.stdout)[1]
-
-
-def near(value):
-    """Floats that a printed, scaled one may have been."""
-    middle = numpy.float32(value)
-    below, above = numpy.nextafter(middle, numpy.float32(-numpy.inf)), numpy.nextafter(middle, numpy.float32(numpy.inf))
-    return [float(v) for v in (numpy.nextafter(below, numpy.float32(-numpy.inf)), below, middle, above, numpy.nextafter(above, numpy.float32(numpy.inf)))]
-
-
-def draw_of(row, key):
-    """The draw of a row of the CSV: weight and speed are printed in other units, so the key says which floats they were."""
-    mu, a1, a2 = (as_float(float(row[k])) for k in ("mu", "alpha1", "alpha2"))
-    for fc in near(float(row["fc_kN"]) * 1000):
-        for w0 in near(float(row["rpm"]) * numpy.pi / 30):
-            if link.draw_crc((fc, mu, a1, a2, w0)) == key:
-                return fc, mu, a1, a2, w0
-    return None
-
-
-def digest(results, rows):
-    crc = 0
-    for result, row in zip(results, rows):
-        draw = draw_of(row, result["draw_crc"])
-        if draw is None:
-            return f"no such draw: {row['index']}"
-        values = [result[k] for k in ("lowest", "highest", "mean", "ss")]
-        crc = link.crc32c(struct.pack("<I9fB", result["index"], *draw, *values, result["status"]), crc)
-    return f"{crc:08x}"
-
-
-def differs(result, row):
-    """Names of the columns of the CSV that a result does not have."""
-    rpm = {"bit_min_rpm": "lowest", "bit_max_rpm": "highest", "bit_mean_rpm": "mean"}
-    wrong = [c for c, k in rpm.items() if abs(float(row[c]) - result[k] * 30 / numpy.pi) > 2e-7 * abs(result[k] * 30 / numpy.pi)]
-    wrong += [k for k in ("index", "stuck", "liftoff") if int(row[k]) != result[k]]
-    if as_float(float(row["ss"])) != result["ss"] or row["status"] != link.STATUS[result["status"]]:
-        wrong.append("ss, status")
-    return wrong
 
 
 # ---- scenarios: each yields (claim holds, claim) ----
@@ -266,6 +214,7 @@ def keeps_time(target, seconds=60):
     yield report["late"] == 0 and report["tick"] == 1000 * seconds and report["samples"] == seconds == len(samples), f"{report}"
     yield 0 < report["load_permille"] < 200 and report["worst_late_us"] < 100 and report["unsane"] == report["timeouts"] == 0, f"load: {report}"
     yield kept, "the books can be asked for afterwards"
+    yield [s["tick"] for s in samples] == list(range(1000, 1000 * seconds + 1, 1000)), "a sample each second"
     yield len({s["bit_speed"] for s in samples}) == seconds and all(s["top_speed"] == W0 for s in samples), "samples"
     again, second, _ = real_time(target, duration=10000, stream_ticks=1000)
     yield strings(again) == strings(samples[:10]) and second["late"] == 0, "twice the same"
@@ -325,6 +274,10 @@ def talks_to_people(target):
             board.line(line) if "?" not in line else board.pump(line.encode() + b"\n")
         errors = [board.line("system:error?").split(",")[0] for _ in range(5)]
         yield errors == ["-113", "-109", "-222", "-350", "0"], f"a queue of four: {errors}"
+        for line in ("wob 9 kN", "wob 1234567890", "stop 1", "systemerror?x"):
+            board.pump(line.encode() + b"\n")
+        errors = [board.line("Syst:Error?").split(",")[0] for _ in range(5)]
+        yield errors == ["-121", "-121", "-108", "-113", "0"], f"parameters: {errors}"
         for line in ("rpm 120", "WOB 90.5", "Mu .004"):
             board.line(line)
         yield [board.line(q) for q in ("RPM?", "WOB?", "MU?")] == ["120.00", "90.50", "0.004000"], "settings"
