@@ -111,6 +111,33 @@ static void commanded_top_keeps_energy(void)
     closes(&first, &sum, BY_REAL(3e-3, 1e-6));
 }
 
+/* (D), integrated: the rotor's momentum is what spring, damper and string give it. phi and its integral by Simpson's rule and
+ * the trapezoid from the speed that is seen. */
+static void rotor_obeys_its_drive(void)
+{
+    const uint32_t ticks = BY_LENGTH(400, 8000);
+    const wide h = W(0.001), ki = W(1.5791367041742974) * W(2900.0);   /* (2 pi 0.2)^2 J_d */
+    wide eta0, eta = 0, phi = 0, angle = 0, torque = 0;
+    kelly_sight s;
+
+    soft_case(10000);
+    EQUAL(kelly_plant_start(plant, &kelly_string, &run, &draw), KELLY_OK);
+    kelly_plant_look(plant, &s);
+    eta0 = (wide)s.top_speed - (wide)draw.w0;
+    for (uint32_t k = 0; k < ticks; k++) {
+        const wide before = (wide)s.surface_torque, last = eta;
+
+        kelly_plant_advance(plant, 1);
+        kelly_plant_look(plant, &s);
+        eta = (wide)s.top_speed - (wide)draw.w0;
+        torque += W(0.5) * h * (before + (wide)s.surface_torque);
+        angle += h * (phi + W(0.25) * h * (last + eta));
+        phi += W(0.5) * h * (last + eta);
+    }
+    CHECK(fixture_abs(phi) > W(0.005));
+    CLOSE((W(2900.0) * (eta - eta0) + W(4.0) * W(289.0) * phi + ki * angle + torque) / torque, 0, BY_REAL(1e-4, 2e-5));
+}
+
 /* ---- commands -------------------------------------------------------------------------------------------------------- */
 
 static void follows_commands(void)
@@ -187,13 +214,14 @@ static void says_what_it_allows(void)
 static void compare_with_stiff(wide within_speed, wide within_torque)
 {
     const uint32_t every = BY_LENGTH(50, 1000);
-    real speed[LOOKS], torque[LOOKS];
+    real speed[LOOKS], torque[LOOKS], axial[LOOKS];
     kelly_sight s;
 
     for (unsigned k = 0; k < LOOKS; k++) {
         kelly_plant_look(plant, &s);
         speed[k] = s.bit_speed;
         torque[k] = s.surface_torque;
+        axial[k] = s.axial_speed;
         kelly_plant_advance(plant, every);
     }
     run.drive = (kelly_drive){ .inertia = 0 };
@@ -202,6 +230,7 @@ static void compare_with_stiff(wide within_speed, wide within_torque)
         kelly_plant_look(plant, &s);
         CLOSE((wide)speed[k], (wide)s.bit_speed, within_speed);
         CLOSE((wide)torque[k], (wide)s.surface_torque, within_torque);
+        CLOSE((wide)axial[k], (wide)s.axial_speed, within_speed);
         kelly_plant_advance(plant, every);
     }
 }
@@ -236,6 +265,29 @@ static void is_stable_where_accepted(real inertia, real impedance, real hz)
     CHECK(kelly_driven_top_speed(&plant->driven, 0) < R(200.0));
     run.step_ns = (uint32_t)(int32_t)(longest * R(1.2e9));
     EQUAL(kelly_plant_start(plant, &kelly_string, &run, &draw), KELLY_STEP);
+}
+
+/* With one mode the bounds can be had from the 2 x 2 mass matrix of mode and top itself. */
+static void bounds_are_those_of_mode_and_rotor(void)
+{
+    const wide total = W(5.0) + (wide)kelly_string.inertia, ki = W(39.47841760435743) * W(5.0);   /* (2 pi)^2 J_d */
+    kelly_modes modes;
+    wide b, d, w2, rotor, rate;
+
+    soft_case(1000);
+    run.torsional = 1;
+    run.drive = (kelly_drive){ .inertia = R(5.0), .impedance = R(3.0), .hz = R(1.0) };
+    EQUAL(kelly_realise(&kelly_string, &run, &draw, &modes), KELLY_OK);
+    b = (wide)modes.b[0];
+    d = (wide)modes.d[0];
+    w2 = (wide)modes.w2[0];
+    rotor = total - d * d;
+    rate = W(0.04) * W(150000.0) * W(3.0) * (b * b * total - 2 * b * d + 1) / rotor + W(8e-5) * w2 * total / rotor + W(12.0) / rotor;
+    CLOSE((wide)kelly_fastest_rate(&kelly_string, &run, &draw, &modes, draw.fc) / rate, 1, BY_REAL(1e-4, 1e-9));
+    draw.mu = R(1e-9);
+    draw.w0 = R(0.001);
+    run.drive.impedance = R(0.001);
+    CLOSE((wide)kelly_largest_step(&kelly_string, &run, &draw, &modes) * textbook_sqrt((w2 * total + ki) / rotor), W(2.8), BY_REAL(1e-3, 1e-5));
 }
 
 static void refuses_bad_drives(void)
@@ -350,6 +402,7 @@ void test_drive(void)
     soft_drive_keeps_energy(R(0.04));
     soft_drive_keeps_energy(R(0.004));
     commanded_top_keeps_energy();
+    rotor_obeys_its_drive();
     follows_commands();
     counts_turns_exactly();
     only_what_is_commanded_obeys();
@@ -359,6 +412,7 @@ void test_drive(void)
     is_stable_where_accepted(R(2900.0), R(289.0), R(0.2));
     is_stable_where_accepted(R(1.0), R(1000.0), R(5.0));
     is_stable_where_accepted(R(20.0), R(1.0), R(10.0));
+    bounds_are_those_of_mode_and_rotor();
     refuses_bad_drives();
     plant_is_the_ensemble_realisation();
     mean_is_that_of_the_bit();
