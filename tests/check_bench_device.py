@@ -228,6 +228,20 @@ def counts_overloads(target):
         yield us < 1000 or us - 1000 <= report["worst_late_us"] <= us - 900, f"worst {report['worst_late_us']} us after {us} us"
 
 
+def bites(target):
+    """A step that does not end: the watchdog names it, where there is one."""
+    with Board(target, icount=CLOCK) as board:
+        watchdog = board.hello()["watchdog"]
+        board.set_case()
+        board.send("plant_start", case_crc=board.case_crc, mode=3, **{**START, "duration": 3000, "overload_steps": 1, "overload_us": 3000000})
+        try:
+            late = board.wait(lambda m: m[0] == "rt_report")[2]["late"]
+            yield watchdog == 0 and late > 1000, f"no watchdog: {late} late"
+        except Silent:
+            said = bytes(board.text[-200:])
+            yield watchdog == 1 and b"fault: watchdog: no checked step in time" in said and board.process.wait(5) == 70, f"{said!r}"
+
+
 def watches_the_host(target):
     samples, report, _ = real_time(target, duration=6000, stream_ticks=250, command_ms=2000, policy=1, ramp_ms=2000)
     speeds = {s["tick"]: s["top_speed"] for s in samples}
@@ -308,6 +322,7 @@ def scenarios():
     yield "overload", counts_overloads, ("stm32f405",)
     for target in ("stm32f405", "mps2-an500", "rv32"):
         yield "real time", keeps_time, (target,)
+        yield "wedged", bites, (target,)
     yield "garbage", survives, ("rv32", 1 << 20)
     yield "garbage", survives, ("stm32f405", 1 << 16)
     for target in ("mps2-an500", "rv32"):
