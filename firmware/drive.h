@@ -100,8 +100,10 @@ void kelly_driven_load(kelly_driven *driven, unsigned lane, const kelly_table *t
 /* Advance all lanes by `ticks` steps. */
 void kelly_driven_advance(kelly_driven *driven, uint32_t ticks);
 
-/* Commanded tops: from now on the speed changes by `slope` [rad/s2]; or it is `top_speed` [rad/s] and stays. */
+/* Commanded tops: from now on the speed changes by `slope` [rad/s2]; on the way it is put to `top_speed` [rad/s], which it has but for
+ * the rounding of many small gains; or it is `top_speed` and stays. */
 void kelly_driven_ramp(kelly_driven *driven, unsigned lane, real slope);
+void kelly_driven_adjust(kelly_driven *driven, unsigned lane, real top_speed);
 void kelly_driven_hold(kelly_driven *driven, unsigned lane, real top_speed);
 
 /* Put `weight` [N] in place of fc in (F). */

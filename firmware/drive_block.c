@@ -160,15 +160,20 @@ void kelly_driven_ramp(kelly_driven *driven, unsigned lane, real slope)
     LANE(driven->lane[lane / KELLY_WIDTH].slope, lane % KELLY_WIDTH) = slope;
 }
 
-void kelly_driven_hold(kelly_driven *driven, unsigned lane, real top_speed)
+void kelly_driven_adjust(kelly_driven *driven, unsigned lane, real top_speed)
 {
     kelly_driven_lane *const on = &driven->lane[lane / KELLY_WIDTH];
     const unsigned l = lane % KELLY_WIDTH;
 
-    LANE(on->slope, l) = 0;
     LANE(on->eta, l) = top_speed - LANE(on->w_ref, l);
-    count_from_here(driven, lane);
     LANE(on->speed, l) = (LANE(on->w_ref, l) + LANE(on->eta, l)) + LANE(on->y.at[0], l);
+}
+
+void kelly_driven_hold(kelly_driven *driven, unsigned lane, real top_speed)
+{
+    LANE(driven->lane[lane / KELLY_WIDTH].slope, lane % KELLY_WIDTH) = 0;
+    kelly_driven_adjust(driven, lane, top_speed);
+    count_from_here(driven, lane);
 }
 
 void kelly_driven_watch(kelly_driven *driven)

@@ -31,6 +31,7 @@
 #define kelly_driven_load KELLY_JOIN(kelly_driven_load, KELLY_ISA)
 #define kelly_driven_advance KELLY_JOIN(kelly_driven_advance, KELLY_ISA)
 #define kelly_driven_ramp KELLY_JOIN(kelly_driven_ramp, KELLY_ISA)
+#define kelly_driven_adjust KELLY_JOIN(kelly_driven_adjust, KELLY_ISA)
 #define kelly_driven_hold KELLY_JOIN(kelly_driven_hold, KELLY_ISA)
 #define kelly_driven_weigh KELLY_JOIN(kelly_driven_weigh, KELLY_ISA)
 #define kelly_driven_resync KELLY_JOIN(kelly_driven_resync, KELLY_ISA)

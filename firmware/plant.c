@@ -78,16 +78,15 @@ int kelly_plant_allows(const kelly_plant *plant, real top_speed, real weight)
 
 void kelly_plant_command(kelly_plant *plant, real top_speed, real weight, uint32_t ticks)
 {
-    const real seconds = kelly_step_seconds(&plant->run) * (real)ticks;
-
     if (!plant->commanded || ticks == 0) {
         return;
     }
     plant->weight = weight;
     plant->target = top_speed;
     plant->ramp = ticks;
+    plant->gain = (top_speed - kelly_driven_top_speed(&plant->driven, 0)) / (real)ticks;
     kelly_driven_weigh(&plant->driven, 0, &plant->run, &plant->draw, weight);
-    kelly_driven_ramp(&plant->driven, 0, (top_speed - kelly_driven_top_speed(&plant->driven, 0)) / seconds);
+    kelly_driven_ramp(&plant->driven, 0, plant->gain / kelly_step_seconds(&plant->run));
 }
 
 /* Forces f_a of the stages of the step that was made last. */
@@ -102,13 +101,24 @@ static void push_axial(kelly_plant *plant)
     kelly_axial_push(&plant->axial, f);
 }
 
+/* A tick of the ramp is over: the speed from its end, so that rounding does not add up. */
+static void follow_ramp(kelly_plant *plant)
+{
+    plant->ramp--;
+    if (plant->ramp > 0) {
+        kelly_driven_adjust(&plant->driven, 0, plant->target - plant->gain * (real)plant->ramp);
+    } else {
+        kelly_driven_hold(&plant->driven, 0, plant->target);
+    }
+}
+
 static void advance_driven(kelly_plant *plant, uint32_t ticks)
 {
     for (; ticks > 0; ticks--) {
         kelly_driven_advance(&plant->driven, 1);
         push_axial(plant);
-        if (plant->ramp > 0 && --plant->ramp == 0) {
-            kelly_driven_hold(&plant->driven, 0, plant->target);
+        if (plant->ramp > 0) {
+            follow_ramp(plant);
         }
     }
 }

@@ -23,6 +23,7 @@ typedef struct {
     kelly_axial axial;
     real weight;                 /* fc in (F) now [N] */
     real target;                 /* speed that the ramp ends at [rad/s] */
+    real gain;                   /* of a tick of it [rad/s] */
     uint32_t ramp;               /* ticks that it still takes */
     uint8_t varies;              /* the top's speed: `driven` is in use */
     uint8_t commanded;

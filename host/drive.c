@@ -69,10 +69,10 @@ void option_drive(kelly_drive *drive, const char *text)
     }
 }
 
-/* The shortest decimal that comes back as the same real. */
+/* A short decimal that comes back as the same real. */
 static void shortest(real x, char text[32])
 {
-    for (int digits = 1; digits <= 17; digits++) {
+    for (int digits = 6; digits <= 17; digits++) {
         snprintf(text, 32, "%.*g", digits, (double)x);
         if ((real)strtod(text, 0) == x) {
             return;

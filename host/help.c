@@ -15,8 +15,8 @@ static const option_help case_options[CASES + 1] = {
     { "--alpha1", "A", "alpha_1 of the torque law [s/rad]" },
     { "--alpha2", "A", "alpha_2 of the torque law [s2/rad2]" },
     { "--start", "rest|rotating", "state of the string at t = 0" },
-    { "--drive", "stiff|soft:Z=..,f=..,J=..", "of the top: turns at --rpm whatever the torque, or yields: impedance Z [N m s/rad] (default: the "
-      "pipe's), return frequency f [Hz] (default 0.2), inertia J [kg m2] (default 2900)" },
+    { "--drive", "stiff|soft", "the top turns at --rpm whatever the torque, or yields as a soft-torque drive does; soft:Z=289,f=0.2,J=2900 sets "
+      "some or all of impedance Z [N m s/rad] (default: the uppermost pipe's), return frequency f [Hz] (default 0.2), inertia J [kg m2] (default 2900);" },
     { "--duration", "T", "length of the run [s], a multiple of the step" },
     { "--window", "FROM:TO", "where severity is taken [s]; with --duration: its last half" },
     { "--step", "H", "RK4 step [s]" },

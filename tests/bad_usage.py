@@ -26,6 +26,10 @@ USAGE = [
     *(f"{MC} --torsional {value}" for value in ("0", "21", "-1", "abc", "2.5", "256", "266")),
     *(f"{MC} --axial {value}" for value in ("0", "12", "-1", "abc", "258")),
     *(f"{MC} --start {value}" for value in ("REST", "moving", "0", "''")),
+    *(f"{command} --drive {value}" for command in (MC, SIM, "map --rpm 60 --wob 40 --samples 1 --duration 1 --window 0:1")
+      for value in ("STIFF", "sof", "softer", "soft:", "soft:Z", "soft:Z=", "soft:Z=0", "soft:Z=-1", "soft:Z=nan", "soft:Z=1x", "soft:Z=1,,f=1", "soft:Z=1,Z=2",
+                    "soft:J=0.5", "soft:J=1e10", "soft:f=0", "soft:f=101", "soft:q=1", "soft,Z=1", "stiff:Z=1", "soft:Z=1,", "''", "s" * 200)),
+    "simulate --drive soft:Z=1e6,J=1", "simulate --drive soft --rpm 2500",
     *(f"{MC} --engine {value}" for value in ("mmx", "AVX2", "''")),
     *(f"{SIM} --sample {value}" for value in ("-1", "abc", "1.5", "4294967296")),
     f"{MC} --csv - --json -", f"{MC} --csv same --json same",   # one would be lost in the other

@@ -6,6 +6,7 @@
 """
 import os
 import selectors
+import struct
 import subprocess
 import sys
 import time
@@ -32,7 +33,7 @@ def loaded(elf):
         return int.from_bytes(data[at:at + size], "little")
 
     word = 8 if wide else 4
-    table, size, count = number(24 + 2 * word - word, word), number(54 if wide else 42, 2), number(56 if wide else 44, 2)
+    table, size, count = number(24 + word, word), number(54 if wide else 42, 2), number(56 if wide else 44, 2)
     parts = []
     for at in range(table, table + size * count, size):
         where, physical, length = (8, 24, 32) if wide else (4, 12, 16)
@@ -156,11 +157,10 @@ class Board:
 
 def as_float(value):
     """The float nearest to it, which a float build computes in."""
-    import struct
     return struct.unpack("<f", struct.pack("<f", value))[0]
 
 
 # `kelly montecarlo --duration 4 --window 2:4 --mu 0.04 --cov 0.2`, in float.
-CASE = {"fc": 100000.0, "mu": as_float(0.04), "a1": 2.0, "a2": 1.0, "w0": as_float(100.0) * 0 + as_float(10.471975511965978), "f0": 50000.0,
+CASE = {"fc": 100000.0, "mu": as_float(0.04), "a1": 2.0, "a2": 1.0, "w0": as_float(10.471975511965978), "f0": 50000.0,
         **{f"cov{k}": as_float(0.2) for k in range(5)}, "limit": as_float(0.8), "step_ns": 1000000, "ticks": 4000, "window_first": 2000,
         "window_last": 4000, "torsional": 10, "axial": 2, "rotating": 0, "drive_inertia": 0.0, "drive_impedance": 0.0, "drive_hz": 0.0}

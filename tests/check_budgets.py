@@ -37,7 +37,7 @@ class Sizes:
         self.entry = "cortexm_start" if arm else "riscv_start"
         # On entry the core stores 8 words, 26 with an FPU, and may align by one more.
         stored = 108 if settings["FLOAT"] == "hard" else 36
-        self.interrupt = f"board_interrupt+{stored}" if arm else None
+        self.interrupts = [f"board_interrupt+{stored}", f"tick_interrupt+{stored}"] if arm else [None]   # of one priority: only one at a time
 
     def sections(self, files):
         """{text, data, bss} summed, from `size` in Berkeley form: constants count as text."""
@@ -53,7 +53,7 @@ class Sizes:
         if not os.path.exists(base + ".elf"):
             return None
         if group == "stack":
-            return stack_depth(base + ".map", self.entry, self.interrupt)[0]
+            return max(stack_depth(base + ".map", self.entry, interrupt)[0] for interrupt in self.interrupts)
         sizes = self.sections([base + ".elf"])
         return {"flash": sizes["text"] + sizes["data"], "ram": sizes["data"] + sizes["bss"]}[group]
 

@@ -37,6 +37,7 @@ GATES = {
     "vectors": ("test", 120, f"{PYTHON} tests/vectors/make_vectors.py --check"),
     "boards": ("test", 900, f"{PYTHON} tests/check_targets.py"),
     "images": ("test", 900, f"{PYTHON} tests/check_images.py"),
+    "bench-device": ("test", 300, f"{PYTHON} tests/check_bench_device.py"),
     "rebuilds": ("test", 300, f"{PYTHON} tests/check_rebuilds.py"),
     "accuracy-double": ("test", 300, "make -s unit REAL=double && build/host-double/accuracy"),
 }

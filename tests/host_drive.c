@@ -3,13 +3,15 @@
  *     drive stiff|soft|commanded key=value...      mu= fc= f0= w0= rotating= step= (us) ticks= every= J= Z= f= top=  (SI)
  *     standard input, commanded: lines `tick top_speed weight ramp_ticks`, ticks rising
  *
- * Prints `every` ticks: time, bit speed, top speed, surface torque, bit torque, weight, axial speed; last `sane` or `insane`.
+ * Prints `every` ticks: time, bit speed, top speed, surface torque, bit torque, weight, axial speed; then `sane` or `insane`,
+ * and the CRC-32C of all that was seen at every tick, as test_drive.c adds it up.
  */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "../firmware/kelly.h"
+#include "../firmware/link/crc32c.h"
 
 typedef struct {
     double top, every;
@@ -48,13 +50,20 @@ static void set(kelly_case *run, extra *more, const char *text)
     }
 }
 
-static void say(const kelly_plant *plant, uint32_t tick)
+/* The reals of a sight in the order of its fields, as they lie in this machine's memory (little-endian). */
+static uint32_t add(uint32_t crc, const kelly_sight *s)
 {
-    kelly_sight s;
+    const real seen[6] = { s->bit_speed, s->bit_torque, s->f_bit, s->axial_speed, s->surface_torque, s->top_speed };
+    uint8_t bytes[sizeof(seen)];
 
-    kelly_plant_look(plant, &s);
-    printf("%.17g %.17g %.17g %.17g %.17g %.17g %.17g\n", (double)tick * (double)plant->run.step_ns / 1e9, (double)s.bit_speed,
-           (double)s.top_speed, (double)s.surface_torque, (double)s.bit_torque, (double)s.f_bit, (double)s.axial_speed);
+    memcpy(bytes, seen, sizeof(seen));
+    return kelly_crc32c(crc, bytes, sizeof(bytes));
+}
+
+static void say(const kelly_plant *plant, const kelly_sight *s, uint32_t tick)
+{
+    printf("%.17g %.17g %.17g %.17g %.17g %.17g %.17g\n", (double)tick * (double)plant->run.step_ns / 1e9, (double)s->bit_speed,
+           (double)s->top_speed, (double)s->surface_torque, (double)s->bit_torque, (double)s->f_bit, (double)s->axial_speed);
 }
 
 static int next_command(double command[4])
@@ -66,17 +75,22 @@ static void run_plant(kelly_plant *plant, const kelly_case *run, uint32_t every,
 {
     double command[4];
     int more = commanded && next_command(command);
+    uint32_t crc = 0;
+    kelly_sight s;
 
     for (uint32_t tick = 0; tick <= run->ticks; tick++) {
         for (; more && (uint32_t)command[0] == tick; more = next_command(command)) {
             kelly_plant_command(plant, (real)command[1], (real)command[2], (uint32_t)command[3]);
         }
+        kelly_plant_look(plant, &s);
+        crc = add(crc, &s);
         if (tick % every == 0) {
-            say(plant, tick);
+            say(plant, &s, tick);
         }
         kelly_plant_advance(plant, 1);
     }
     puts(kelly_plant_sane(plant) ? "sane" : "insane");
+    printf("crc %08x\n", crc);
 }
 
 int main(int argc, char **argv)

@@ -89,6 +89,25 @@ static void try_engine(const kelly_engine *engine)
     compare(engine, &run, 0, MOST, "lift-off");
 }
 
+/* The same under a soft drive, which has stepping of its own. */
+static void try_soft(const kelly_engine *engine)
+{
+    static const uint32_t counts[] = { 1, 17, 65, MOST };
+    kelly_case run = nominal(2300);
+
+    run.drive = (kelly_drive){ .inertia = R(2900.0), .impedance = R(289.0), .hz = R(0.2) };
+    for (unsigned c = 0; c < sizeof(counts) / sizeof(counts[0]); c++) {
+        compare(engine, &run, 1000, counts[c], "10 modes, soft drive");
+    }
+    run.ticks = run.window_last = 500;
+    run.window_first = 250;
+    run.torsional = 20;
+    run.rotating = 1;
+    compare(engine, &run, 5, 65, "20 modes, rotating, soft drive");
+    run.step_ns = 3000000;                      /* many are refused */
+    compare(engine, &run, 0, MOST, "long step, soft drive");
+}
+
 int main(void)
 {
     const kelly_engine *list[4];
@@ -96,6 +115,7 @@ int main(void)
 
     for (unsigned e = 0; e < engines; e++) {
         try_engine(list[e]);
+        try_soft(list[e]);
         printf("%s, %u realisations a vector, %u a block\n", list[e]->name, list[e]->width, list[e]->lanes);
     }
     printf("%u passed, %u failed\n", check_passed, check_failed);

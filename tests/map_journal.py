@@ -85,7 +85,7 @@ def check_foreign(folder):
     others = [("--seed 2", "seed 1, this is 2"), ("--mu 0.005", "another case"), ("--samples 21", "another case"), ("--rpm 60:90:15", "another case"),
               ("--rpm 61:91:30", "another case"), ("--wob 40:91:50.5", "another case"), ("--f0 20", "another case"), ("--cov 0.1", "another case"),
               ("--limit 0.7", "another case"), ("--first 1", "another case"), ("--adaptive 0.1 --samples 20", "another case"),
-              ("--torsional 9", "another case"), ("--step 0.0005", "another case"), ("--window 0:0.5", "another case")]
+              ("--drive soft", "another case"), ("--torsional 9", "another case"), ("--step 0.0005", "another case"), ("--window 0:0.5", "another case")]
     for more, word in others:
         refused(f"map {args} {more} --csv {out} --resume", word)
         claim(read(out + ".journal") == journal, f"{more}: a journal that is refused stays as it is")

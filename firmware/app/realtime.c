@@ -113,7 +113,8 @@ void realtime_command(kelly_bench *bench, uint32_t seq, const kelly_msg_rt_comma
     }
     if (ask->number > s->by.real_time.number) {
         if (ask->ramp_ticks == 0 || !kelly_plant_allows(&s->plant, ask->top_speed, ask->weight)) {
-            bench_error(seq, KELLY_ERR_VALUE, KELLY_MSG_RT_COMMAND, "give ramp_ticks > 0, and a speed and a weight that the step can be trusted with");
+            bench_error(seq, KELLY_ERR_VALUE, KELLY_MSG_RT_COMMAND,
+                        "give ramp_ticks > 0, and a speed and a weight that the step can be trusted with");
             return;
         }
         realtime_set(bench, ask->top_speed, ask->weight, ask->ramp_ticks);
@@ -125,7 +126,8 @@ void realtime_command(kelly_bench *bench, uint32_t seq, const kelly_msg_rt_comma
 
 /* ---- one step ---- */
 
-static void sample(kelly_bench *bench, const kelly_sight *sight)
+/* Its buffers are not on the stack of the step. */
+static __attribute__((noinline)) void sample(kelly_bench *bench, const kelly_sight *sight)
 {
     kelly_realtime *const rt = &bench->now.session.by.real_time;
     const kelly_msg_rt_sample message = {
@@ -220,9 +222,9 @@ static int step(kelly_bench *bench, uint32_t due)
         return 0;
     }
     watchdog_kick();
-    overload(rt, due);
     note_load(rt);
     look(bench);
+    overload(rt, due);
     counts = board_count() - from;
     if (counts > rt->busy_worst) {
         rt->busy_worst = counts;

@@ -183,7 +183,8 @@ size_t kelly_put_fields(uint8_t *to, const void *from, const kelly_field *fields
 {
     size_t size = 0;
 
-    for (const kelly_field *f = fields; f < fields + count; f++) {
+    for (size_t k = 0; k < count; k++) {
+        const kelly_field *const f = &fields[k];
         const unsigned kind = f->what & 15u;
         const unsigned char *const at = (const unsigned char *)from + f->offset;
 
@@ -201,7 +202,8 @@ int kelly_get_fields(const uint8_t *body, size_t size, void *to, const kelly_fie
 {
     size_t read = 0;
 
-    for (const kelly_field *f = fields; f < fields + count; f++) {
+    for (size_t k = 0; k < count; k++) {
+        const kelly_field *const f = &fields[k];
         const unsigned kind = f->what & 15u, bytes = wire_bytes[kind];
         unsigned char *const at = (unsigned char *)to + f->offset;
         pair value;

@@ -14,3 +14,13 @@
 #else
 #define DIGEST_LONG 0x634e5800u
 #endif
+#ifdef KELLY_DOUBLE
+#define DIGEST_SOFT 0xa6a4dd78u   /* 2 realisations of seed 1, 0.2 s, a soft drive */
+#else
+#define DIGEST_SOFT 0x0e76ace8u
+#endif
+#ifdef KELLY_DOUBLE
+#define DIGEST_COMMANDED 0xd57b0f60u   /* a top commanded at ticks 50 and 200 of 400: test_drive.c */
+#else
+#define DIGEST_COMMANDED 0xc63b8134u
+#endif

@@ -35,7 +35,8 @@ DRAWS = ((1, 0, 0.2), (1, 1, 0.2), (1, 399, 0.2), (1, 4294967295, 0.2), (2, 0, 0
 MEANS = (100000.0, 0.04, 2.0, 1.0, 100.0 * math.pi / 30.0)
 DIGESTS = (("SHORT", "2 realisations of seed 1, 0.2 s", 1, 0, 2, 0.2),
            ("LAST", "the last two of another seed, 0.2 s", 0x123456789abcdef0, 4294967294, 2, 0.2),
-           ("LONG", "8 realisations of seed 1, 4 s", 1, 0, 8, 4.0))
+           ("LONG", "8 realisations of seed 1, 4 s", 1, 0, 8, 4.0),
+           ("SOFT", "2 realisations of seed 1, 0.2 s, a soft drive", 1, 0, 2, 0.2, "--drive", "soft:Z=289,f=0.2,J=2900"))
 
 
 # ---- the sampler a second time: the same words, everything else in double
@@ -120,10 +121,10 @@ def trajectories():
     return text + "};\n"
 
 
-def kelly(program, seed, first, samples, cov, duration):
+def kelly(program, seed, first, samples, cov, duration, *more):
     """Printed digest and CSV rows of one run of the kelly program."""
     args = [program, "montecarlo", "--samples", samples, "--seed", seed, "--first", first, "--cov", cov, "--duration", duration,
-            "--window", f"{duration / 2}:{duration}"]
+            "--window", f"{duration / 2}:{duration}", *more]
     said = subprocess.run([str(a) for a in args], check=True, capture_output=True, text=True).stdout
     rows = subprocess.run([str(a) for a in args + ["--csv", "-"]], check=True, capture_output=True, text=True).stdout.split("\n")
     return re.search(r"digest ([0-9a-f]{8})", said).group(1), rows[1:-1]
@@ -146,11 +147,22 @@ def draws(programs):
 def digests(programs):
     text = BANNER.format(name="digests.h", what="CRC-32C of results, from the run; all laws at 0.2, window the last half.")
     for name, what, *args in DIGESTS:
-        seed, first, samples, duration = args
-        value = {real: kelly(programs[real], seed, first, samples, 0.2, duration)[0] for real in programs}
-        text += f"#ifdef KELLY_DOUBLE\n#define DIGEST_{name} 0x{value['double']}u   /* {what} */\n"
-        text += f"#else\n#define DIGEST_{name} 0x{value['float']}u\n#endif\n"
-    return text
+        seed, first, samples, duration, *more = args
+        value = {real: kelly(programs[real], seed, first, samples, 0.2, duration, *more)[0] for real in programs}
+        text += digest(name, what, value)
+    return text + digest("COMMANDED", "a top commanded at ticks 50 and 200 of 400: test_drive.c", {r: commanded(p) for r, p in programs.items()})
+
+
+def digest(name, what, value):
+    return ( f"#ifdef KELLY_DOUBLE\n#define DIGEST_{name} 0x{value['double']}u   /* {what} */\n"
+            f"#else\n#define DIGEST_{name} 0x{value['float']}u\n#endif\n")
+
+
+def commanded(program):
+    """CRC-32C that drive-numbers prints, the program beside `program`."""
+    args = [os.path.join(os.path.dirname(program), "drive-numbers"), "commanded", "top=10", "ticks=400"]
+    said = subprocess.run(args, input="50 8 120000 100\n200 0 90000 1\n", check=True, capture_output=True, text=True).stdout
+    return re.search(r"^crc ([0-9a-f]{8})$", said, re.M)[1]
 
 
 def agree(old, new):

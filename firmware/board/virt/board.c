@@ -7,7 +7,10 @@
 #define MTIME_LOW     REG(0x0200BFF8)
 #define MTIME_HIGH    REG(0x0200BFFC)
 #define UART(offset) (*(volatile uint8_t *)(uintptr_t)(0x10000000u + (offset)))
-enum { MTIME_PER_MS = 10000 };
+#define PLIC_PRIORITY(n) REG(0x0C000000 + 4 * (n))
+#define PLIC_ENABLE   REG(0x0C002000)   /* of hart 0 in machine mode, and so below */
+#define PLIC_CLAIM    REG(0x0C200004)
+enum { MTIME_PER_MS = 10000, UART_IRQ = 10 };
 
 static uint64_t start;
 
@@ -30,6 +33,9 @@ void board_init(void)
     UART(1) = 0;
     UART(3) = 3;      /* 8N1 */
     UART(2) = 0xC7;   /* FIFO on and emptied, 14 bytes */
+    UART(1) = 1;      /* says when a byte has come, to end a sleep: interrupts never trap here */
+    PLIC_PRIORITY(UART_IRQ) = 1;
+    PLIC_ENABLE = 1u << UART_IRQ;
     start = mtime();
 }
 
@@ -58,7 +64,8 @@ uint32_t board_count(void)
     return (uint32_t)cycles;
 }
 
-/* The timer wakes wfi by being pending; it never traps, because interrupts stay off. */
+/* The timer and the UART wake wfi by being pending; they never trap, because interrupts stay off. What was pending is claimed
+ * and given back, or the next sleep would end at once; a byte that is not read makes it so. */
 void board_idle(void)
 {
     uint64_t next = start + (uint64_t)(board_ticks() + 1u) * MTIME_PER_MS;
@@ -66,7 +73,8 @@ void board_idle(void)
     MTIMECMP_HIGH = 0xFFFFFFFFu;   /* no false match between the two writes */
     MTIMECMP_LOW = (uint32_t)next;
     MTIMECMP_HIGH = (uint32_t)(next >> 32);
-    __asm volatile("csrs mie, %0\nwfi" ::"r"(1u << 7) : "memory");
+    __asm volatile("csrs mie, %0\nwfi" ::"r"(1u << 7 | 1u << 11) : "memory");
+    PLIC_CLAIM = PLIC_CLAIM;
 }
 
 _Noreturn void board_exit(int status)

@@ -1,0 +1,421 @@
+/* test_drive.c - a top of variable speed: energy and momentum close, the stiff top is its limit, and bits do not depend on how it is run. */
+#include "../firmware/link/crc32c.h"
+#include "check.h"
+#include "fixture.h"
+#include "vectors/digests.h"
+
+static kelly_case run;
+static kelly_draw draw;
+static kelly_plant *const plant = &fixture.plant;
+
+static void soft_case(uint32_t ticks)
+{
+    fixture_case(&run, ticks);
+    run.drive = (kelly_drive){ .inertia = R(2900.0), .impedance = R(289.0), .hz = R(0.2) };
+    kelly_draw_nominal(&run, &draw);
+}
+
+/* ---- energy ---------------------------------------------------------------------------------------------------------- */
+
+/* Powers of the top, of the bit and of damping [W] at one instant, and the energy stored [J]. */
+typedef struct {
+    wide top, bit, damping, stored, momentum;
+} energy;
+
+static void measure(energy *e)
+{
+    const kelly_table *const t = plant->table;
+    real q[KELLY_MODES_MAX], v[KELLY_MODES_MAX];
+    wide speed, kinetic = 0, spring = 0, viscous = 0, momentum;
+    kelly_sight sight;
+
+    kelly_plant_look(plant, &sight);
+    kelly_plant_modal(plant, q, v);
+    speed = (wide)sight.top_speed;
+    momentum = (wide)t->inertia * speed;
+    for (unsigned i = 0; i < plant->modes.count; i++) {
+        const wide qi = (wide)q[i], vi = (wide)v[i], w2 = (wide)plant->modes.w2[i], d = (wide)plant->modes.d[i];
+
+        momentum += d * vi;
+        kinetic += d * vi * speed + vi * vi;
+        spring += w2 * qi * qi;
+        viscous += (wide)t->beta * w2 * vi * vi;
+    }
+    kinetic += speed * momentum;
+    e->top = (wide)sight.surface_torque * speed;
+    e->bit = (wide)sight.bit_torque * (wide)sight.bit_speed;
+    e->damping = (wide)t->alpha * kinetic + viscous;
+    e->stored = W(0.5) * (kinetic + spring);
+    e->momentum = momentum;
+}
+
+/* Work of a stretch of an even number of ticks by Simpson's rule, added to `sum`. Commands lie between stretches. */
+static void follow(energy *sum, uint32_t ticks)
+{
+    const wide third = (wide)run.step_ns / W(3e9);
+    energy now;
+
+    for (uint32_t k = 0; k <= ticks; k++) {
+        const wide weight = k == 0 || k == ticks ? third : k % 2 == 1 ? 4 * third : 2 * third;
+
+        measure(&now);
+        sum->top += weight * now.top;
+        sum->bit += weight * now.bit;
+        sum->damping += weight * now.damping;
+        if (k < ticks) {
+            kelly_plant_advance(plant, 1);
+        }
+    }
+}
+
+static void closes(const energy *first, const energy *sum, wide within)
+{
+    energy last;
+
+    measure(&last);
+    CHECK(sum->bit < 0 && sum->damping > 0 && sum->top != 0);
+    CLOSE((sum->top + sum->bit - sum->damping - (last.stored - first->stored)) / sum->top, 0, within);
+}
+
+/* Float: sums of many rounded powers. Double: Simpson and RK4, both of fourth order, at 0.1 ms. */
+static void soft_drive_keeps_energy(real mu)
+{
+    energy first, sum = { 0 };
+
+    soft_case(200000);
+    run.step_ns = 100000;
+    draw.mu = mu;
+    EQUAL(kelly_plant_start(plant, &kelly_string, &run, &draw), KELLY_OK);
+    kelly_plant_advance(plant, 100);   /* past the first layer at the bit, where the torque falls off within 2 ms */
+    measure(&first);
+    follow(&sum, BY_LENGTH(600, 100000));
+    closes(&first, &sum, BY_REAL(3e-3, 1e-6));
+}
+
+static void commanded_top_keeps_energy(void)
+{
+    energy first, sum = { 0 };
+
+    fixture_case(&run, 200000);
+    run.step_ns = 100000;
+    kelly_draw_nominal(&run, &draw);
+    EQUAL(kelly_plant_start_commanded(plant, &kelly_string, &run, &draw, R(8.0)), KELLY_OK);
+    kelly_plant_advance(plant, 100);
+    measure(&first);
+    kelly_plant_command(plant, R(14.0), R(80000.0), BY_LENGTH(400, 20000));
+    follow(&sum, BY_LENGTH(400, 20000));
+    follow(&sum, BY_LENGTH(100, 20000));
+    kelly_plant_command(plant, R(5.0), R(110000.0), BY_LENGTH(200, 30000));
+    follow(&sum, BY_LENGTH(200, 30000));
+    follow(&sum, BY_LENGTH(100, 30000));
+    closes(&first, &sum, BY_REAL(3e-3, 1e-6));
+}
+
+/* (D), integrated: the rotor's momentum is what spring, damper and string give it. phi and its integral by Simpson's rule and
+ * the trapezoid from the speed that is seen. */
+static void rotor_obeys_its_drive(void)
+{
+    const uint32_t ticks = BY_LENGTH(400, 8000);
+    const wide h = W(0.001), ki = W(1.5791367041742974) * W(2900.0);   /* (2 pi 0.2)^2 J_d */
+    wide eta0, eta = 0, phi = 0, angle = 0, torque = 0;
+    kelly_sight s;
+
+    soft_case(10000);
+    EQUAL(kelly_plant_start(plant, &kelly_string, &run, &draw), KELLY_OK);
+    kelly_plant_look(plant, &s);
+    eta0 = (wide)s.top_speed - (wide)draw.w0;
+    for (uint32_t k = 0; k < ticks; k++) {
+        const wide before = (wide)s.surface_torque, last = eta;
+
+        kelly_plant_advance(plant, 1);
+        kelly_plant_look(plant, &s);
+        eta = (wide)s.top_speed - (wide)draw.w0;
+        torque += W(0.5) * h * (before + (wide)s.surface_torque);
+        angle += h * (phi + W(0.25) * h * (last + eta));
+        phi += W(0.5) * h * (last + eta);
+    }
+    CHECK(fixture_abs(phi) > W(0.005));
+    CLOSE((W(2900.0) * (eta - eta0) + W(4.0) * W(289.0) * phi + ki * angle + torque) / torque, 0, BY_REAL(1e-4, 2e-5));
+}
+
+/* ---- commands -------------------------------------------------------------------------------------------------------- */
+
+static void follows_commands(void)
+{
+    kelly_sight s;
+
+    fixture_case(&run, 1000);
+    kelly_draw_nominal(&run, &draw);
+    EQUAL(kelly_plant_start_commanded(plant, &kelly_string, &run, &draw, R(8.0)), KELLY_OK);
+    kelly_plant_look(plant, &s);
+    CHECK(s.top_speed == R(8.0));
+    kelly_plant_command(plant, R(10.0), R(120000.0), 100);
+    kelly_plant_look(plant, &s);
+    CLOSE((wide)s.f_bit, W(-119500.0), W(0.05));           /* the weight at once */
+    CHECK(s.top_speed == R(8.0));
+    kelly_plant_advance(plant, 50);
+    kelly_plant_look(plant, &s);
+    CLOSE((wide)s.top_speed, 9, BY_REAL(1e-5, 1e-12));     /* half-way up the ramp */
+    kelly_plant_advance(plant, 50);
+    kelly_plant_look(plant, &s);
+    CLOSE((wide)s.top_speed, 10, BY_REAL(2e-6, 1e-14));
+    kelly_plant_advance(plant, 50);
+    kelly_plant_command(plant, R(-1.0), R(1000.0), 1);     /* backwards, and the rock lets go */
+    kelly_plant_advance(plant, 7);
+    kelly_plant_look(plant, &s);
+    CLOSE((wide)s.top_speed, -1, BY_REAL(2e-6, 1e-14));
+    CHECK(s.f_bit == 0 && s.bit_torque == 0);
+    CHECK(kelly_plant_sane(plant));
+}
+
+/* sin(theta_top): an integer phase where the speed stands still, so that hours make no difference. */
+static void counts_turns_exactly(void)
+{
+    kelly_sight s;
+
+    fixture_case(&run, 1000);
+    kelly_draw_nominal(&run, &draw);
+    EQUAL(kelly_plant_start_commanded(plant, &kelly_string, &run, &draw, R(4.0)), KELLY_OK);
+    kelly_plant_command(plant, R(6.0), R(100000.0), 200);  /* 0.2 s at 5 rad/s on the average */
+    kelly_plant_advance(plant, BY_LENGTH(1200, 6200));
+    kelly_plant_look(plant, &s);
+    CLOSE((wide)s.f_bit, W(50000.0) * (textbook_sin(W(1.0) + W(0.001) * W(6.0) * (wide)BY_LENGTH(1000, 6000)) + W(0.01)) - W(100000.0),
+          BY_REAL(2.0, 1e-5));
+}
+
+static void only_what_is_commanded_obeys(void)
+{
+    kelly_sight before, after;
+
+    soft_case(1000);
+    EQUAL(kelly_plant_start(plant, &kelly_string, &run, &draw), KELLY_OK);
+    kelly_plant_look(plant, &before);
+    kelly_plant_command(plant, R(1.0), R(1.0), 1);
+    kelly_plant_look(plant, &after);
+    CHECK(before.f_bit == after.f_bit && before.top_speed == after.top_speed && before.surface_torque == after.surface_torque);
+}
+
+static void says_what_it_allows(void)
+{
+    fixture_case(&run, 1000);
+    kelly_draw_nominal(&run, &draw);
+    EQUAL(kelly_plant_start_commanded(plant, &kelly_string, &run, &draw, R(10.0)), KELLY_OK);
+    CHECK(kelly_plant_allows(plant, 0, R(1.0)) && kelly_plant_allows(plant, R(-249.0), R(400000.0)));
+    CHECK(!kelly_plant_allows(plant, R(251.0), R(100000.0)));       /* more than a quarter of a radian a step */
+    CHECK(!kelly_plant_allows(plant, R(10.0), R(600000.0)));        /* the rock's rate at 1 ms */
+    CHECK(!kelly_plant_allows(plant, R(10.0), 0) && !kelly_plant_allows(plant, R(10.0), R(-5.0)));
+    EQUAL(kelly_plant_start_commanded(plant, &kelly_string, &run, &draw, R(251.0)), KELLY_STEP);
+}
+
+/* ---- limits ---------------------------------------------------------------------------------------------------------- */
+
+/* Largest distance of the bit speed and of the surface torque from those of the stiff top, at a few ticks. */
+#define LOOKS 6
+static void compare_with_stiff(wide within_speed, wide within_torque)
+{
+    const uint32_t every = BY_LENGTH(50, 1000);
+    real speed[LOOKS], torque[LOOKS], axial[LOOKS];
+    kelly_sight s;
+
+    for (unsigned k = 0; k < LOOKS; k++) {
+        kelly_plant_look(plant, &s);
+        speed[k] = s.bit_speed;
+        torque[k] = s.surface_torque;
+        axial[k] = s.axial_speed;
+        kelly_plant_advance(plant, every);
+    }
+    run.drive = (kelly_drive){ .inertia = 0 };
+    EQUAL(kelly_plant_start(plant, &kelly_string, &run, &draw), KELLY_OK);
+    for (unsigned k = 0; k < LOOKS; k++) {
+        kelly_plant_look(plant, &s);
+        CLOSE((wide)speed[k], (wide)s.bit_speed, within_speed);
+        CLOSE((wide)torque[k], (wide)s.surface_torque, within_torque);
+        CLOSE((wide)axial[k], (wide)s.axial_speed, within_speed);
+        kelly_plant_advance(plant, every);
+    }
+}
+
+static void ends_at_the_stiff_top(int rotating)
+{
+    soft_case(20000);
+    run.rotating = (uint8_t)rotating;
+    EQUAL(kelly_plant_start_commanded(plant, &kelly_string, &run, &draw, draw.w0), KELLY_OK);
+    compare_with_stiff(BY_REAL(2e-3, 1e-9), BY_REAL(3.0, 1e-6));
+    soft_case(20000);
+    run.rotating = (uint8_t)rotating;
+    run.drive = (kelly_drive){ .inertia = R(1e9), .impedance = R(1e7), .hz = R(0.1) };
+    EQUAL(kelly_plant_start(plant, &kelly_string, &run, &draw), KELLY_OK);
+    compare_with_stiff(BY_REAL(5e-3, 2e-3), BY_REAL(10.0, 5.0));
+}
+
+/* At the longest step that kelly_realise takes nothing grows, whatever the drive; a fifth more is refused. */
+static void is_stable_where_accepted(real inertia, real impedance, real hz)
+{
+    kelly_modes modes;
+    real longest;
+
+    soft_case(4000);
+    run.drive = (kelly_drive){ .inertia = inertia, .impedance = impedance, .hz = hz };
+    EQUAL(kelly_realise(&kelly_string, &run, &draw, &modes) == KELLY_RANGE, 0);
+    longest = kelly_largest_step(&kelly_string, &run, &draw, &modes);
+    run.step_ns = (uint32_t)(int32_t)(longest * R(0.999e9));
+    EQUAL(kelly_plant_start(plant, &kelly_string, &run, &draw), KELLY_OK);
+    kelly_plant_advance(plant, BY_LENGTH(200, 4000));
+    CHECK(kelly_plant_sane(plant));
+    CHECK(kelly_driven_top_speed(&plant->driven, 0) < R(200.0));
+    run.step_ns = (uint32_t)(int32_t)(longest * R(1.2e9));
+    EQUAL(kelly_plant_start(plant, &kelly_string, &run, &draw), KELLY_STEP);
+}
+
+/* With one mode the bounds can be had from the 2 x 2 mass matrix of mode and top itself. */
+static void bounds_are_those_of_mode_and_rotor(void)
+{
+    const wide total = W(5.0) + (wide)kelly_string.inertia, ki = W(39.47841760435743) * W(5.0);   /* (2 pi)^2 J_d */
+    kelly_modes modes;
+    wide b, d, w2, rotor, rate;
+
+    soft_case(1000);
+    run.torsional = 1;
+    run.drive = (kelly_drive){ .inertia = R(5.0), .impedance = R(3.0), .hz = R(1.0) };
+    EQUAL(kelly_realise(&kelly_string, &run, &draw, &modes), KELLY_OK);
+    b = (wide)modes.b[0];
+    d = (wide)modes.d[0];
+    w2 = (wide)modes.w2[0];
+    rotor = total - d * d;
+    rate = W(0.04) * W(150000.0) * W(3.0) * (b * b * total - 2 * b * d + 1) / rotor + W(8e-5) * w2 * total / rotor + W(12.0) / rotor;
+    CLOSE((wide)kelly_fastest_rate(&kelly_string, &run, &draw, &modes, draw.fc) / rate, 1, BY_REAL(1e-4, 1e-9));
+    draw.mu = R(1e-9);
+    draw.w0 = R(0.001);
+    run.drive.impedance = R(0.001);
+    CLOSE((wide)kelly_largest_step(&kelly_string, &run, &draw, &modes) * textbook_sqrt((w2 * total + ki) / rotor), W(2.8), BY_REAL(1e-3, 1e-5));
+}
+
+static void refuses_bad_drives(void)
+{
+    static const kelly_drive bad[] = {
+        { R(0.5), R(289.0), R(0.2) }, { R(-1.0), R(289.0), R(0.2) }, { R(2900.0), 0, R(0.2) }, { R(2900.0), R(-1.0), R(0.2) },
+        { R(2900.0), R(289.0), 0 }, { R(1e13), R(289.0), R(0.2) }, { R(2900.0), R(289.0), R(1e4) },
+    };
+
+    soft_case(1000);
+    CHECK(kelly_case_error(&kelly_string, &run) == 0);
+    for (unsigned k = 0; k < sizeof(bad) / sizeof(bad[0]); k++) {
+        run.drive = bad[k];
+        CHECK(kelly_case_error(&kelly_string, &run) != 0);
+    }
+    soft_case(1000);
+    draw.w0 = R(260.0);                                    /* more than a quarter of a radian a step */
+    EQUAL(kelly_plant_start(plant, &kelly_string, &run, &draw), KELLY_STEP);
+    run.drive.inertia = 0;
+    EQUAL(kelly_plant_start(plant, &kelly_string, &run, &draw), KELLY_OK);
+}
+
+/* ---- bits ------------------------------------------------------------------------------------------------------------ */
+
+static void plant_is_the_ensemble_realisation(void)
+{
+    real lowest, highest;
+
+    soft_case(BY_LENGTH(200, 6000));
+    run.cov[0] = run.cov[1] = run.cov[2] = run.cov[3] = run.cov[4] = 0.2f;
+    kelly_draw_sample(&run, 3, 1000, &draw);
+    EQUAL(kelly_plant_start(plant, &kelly_string, &run, &draw), KELLY_OK);
+    kelly_plant_advance(plant, run.window_first);
+    kelly_plant_watch(plant);
+    for (uint32_t tick = run.window_first; tick < run.window_last; tick += 7) {
+        kelly_plant_advance(plant, run.window_last - tick < 7 ? run.window_last - tick : 7);
+    }
+    kelly_plant_extremes(plant, &lowest, &highest);
+    kelly_run(&kelly_string, &run, 3, 1000, 1, fixture.ensemble.results, &fixture.ensemble.work);
+    EQUAL(fixture_bits(lowest), fixture_bits(fixture.ensemble.results[0].lowest));
+    EQUAL(fixture_bits(highest), fixture_bits(fixture.ensemble.results[0].highest));
+}
+
+static void mean_is_that_of_the_bit(void)
+{
+    const uint32_t ticks = BY_LENGTH(200, 6000);
+    const kelly_result *const result = fixture.ensemble.results;
+    wide sum = 0;
+
+    soft_case(ticks);
+    EQUAL(kelly_plant_start(plant, &kelly_string, &run, &draw), KELLY_OK);
+    kelly_plant_advance(plant, run.window_first);
+    for (uint32_t tick = run.window_first; tick < run.window_last; tick++) {
+        sum += W(0.5) * (wide)kelly_driven_speed(&plant->driven, 0);
+        kelly_plant_advance(plant, 1);
+        sum += W(0.5) * (wide)kelly_driven_speed(&plant->driven, 0);
+    }
+    kelly_run_draws(&kelly_string, &run, &draw, 1, fixture.ensemble.results, &fixture.ensemble.work);
+    CLOSE((wide)result->mean, sum / (wide)(run.window_last - run.window_first), BY_REAL(2e-3, 1e-3));
+}
+
+static uint32_t add_real(uint32_t crc, real x)
+{
+    const uint64_t bits = fixture_bits(x);
+    uint8_t bytes[8];
+
+    for (unsigned k = 0; k < sizeof(real); k++) {
+        bytes[k] = (uint8_t)(bits >> (8 * k));
+    }
+    return kelly_crc32c(crc, bytes, sizeof(real));
+}
+
+/* All that is seen of a commanded plant at each of 400 ticks, as host_drive.c and make_vectors.py have it. */
+static void gives_the_bits_of_the_host(void)
+{
+    uint32_t crc = 0;
+    kelly_sight s;
+
+    fixture_case(&run, 400);
+    kelly_draw_nominal(&run, &draw);
+    EQUAL(kelly_plant_start_commanded(plant, &kelly_string, &run, &draw, R(10.0)), KELLY_OK);
+    for (uint32_t tick = 0; tick <= 400; tick++) {
+        if (tick == 50) {
+            kelly_plant_command(plant, R(8.0), R(120000.0), 100);
+        }
+        if (tick == 200) {
+            kelly_plant_command(plant, 0, R(90000.0), 1);
+        }
+        kelly_plant_look(plant, &s);
+        crc = add_real(add_real(add_real(crc, s.bit_speed), s.bit_torque), s.f_bit);
+        crc = add_real(add_real(add_real(crc, s.axial_speed), s.surface_torque), s.top_speed);
+        kelly_plant_advance(plant, 1);
+    }
+    EQUAL(crc, DIGEST_COMMANDED);
+}
+
+static void ensemble_gives_the_bits_of_the_host(void)
+{
+    kelly_tally tally = { 0 };
+
+    soft_case(200);
+    run.cov[0] = run.cov[1] = run.cov[2] = run.cov[3] = run.cov[4] = 0.2f;
+    kelly_run(&kelly_string, &run, 1, 0, 2, fixture.ensemble.results, &fixture.ensemble.work);
+    kelly_tally_add(&tally, 0, &fixture.ensemble.results[0]);
+    kelly_tally_add(&tally, 1, &fixture.ensemble.results[1]);
+    EQUAL(tally.digest, DIGEST_SOFT);
+}
+
+void test_drive(void);
+void test_drive(void)
+{
+    soft_drive_keeps_energy(R(0.04));
+    soft_drive_keeps_energy(R(0.004));
+    commanded_top_keeps_energy();
+    rotor_obeys_its_drive();
+    follows_commands();
+    counts_turns_exactly();
+    only_what_is_commanded_obeys();
+    says_what_it_allows();
+    ends_at_the_stiff_top(0);
+    ends_at_the_stiff_top(1);
+    is_stable_where_accepted(R(2900.0), R(289.0), R(0.2));
+    is_stable_where_accepted(R(1.0), R(1000.0), R(5.0));
+    is_stable_where_accepted(R(20.0), R(1.0), R(10.0));
+    bounds_are_those_of_mode_and_rotor();
+    refuses_bad_drives();
+    plant_is_the_ensemble_realisation();
+    mean_is_that_of_the_bit();
+    gives_the_bits_of_the_host();
+    ensemble_gives_the_bits_of_the_host();
+}
