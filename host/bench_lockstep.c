@@ -92,7 +92,7 @@ static void step(lockstep *l, kelly_sight *now, uint32_t ticks)
     }
     session_call(&l->s, KELLY_MSG_LOCK_STEP, body, kelly_put_lock_step(body, &ask), KELLY_MSG_LOCK_ANSWER);
     if (!kelly_get_lock_answer(l->s.reply, l->s.reply_size, &answer) || answer.session != ask.session || answer.frame != ask.frame) {
-        die(EXIT_FAILED, "%s: frame %u: the answer is to something else", l->s.b->port.text, ask.frame);
+        die(EXIT_FAILED, "%s: frame %u: the answer is none to it", l->s.b->port.text, ask.frame);
     }
     l->trips[l->frames++] = port_now() - sent;
     l->tick += ticks;

@@ -38,6 +38,7 @@ GATES = {
     "boards": ("test", 900, f"{PYTHON} tests/check_targets.py"),
     "images": ("test", 900, f"{PYTHON} tests/check_images.py"),
     "bench-device": ("test", 300, f"{PYTHON} tests/check_bench_device.py"),
+    "bench": ("test", 400, f"{PYTHON} tests/check_bench.py"),
     "rebuilds": ("test", 300, f"{PYTHON} tests/check_rebuilds.py"),
     "accuracy-double": ("test", 300, "make -s unit REAL=double && build/host-double/accuracy"),
 }

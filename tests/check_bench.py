@@ -1,0 +1,346 @@
+#!/usr/bin/env python3
+"""check_bench - `kelly bench` with emulated boards: campaigns, lockstep, real time, and lines that fail.
+
+usage: tests/check_bench.py [WORD...]      only scenarios whose name holds one of the words
+
+Last line `N passed, N failed`.
+"""
+import concurrent.futures
+import os
+import random
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+
+import wits
+from bench_board import ROOT, image, link, loaded
+from bench_line import Between, again
+from bench_run import KELLY, TEMPORARY, Faulty, Run, bytes_of, same_campaign
+
+BOARDS = ("stm32f405", "mps2-an500", "rv32")
+CASE = "--duration 4 --window 2:4 --mu 0.02"
+CLOCK = "--icount shift=5,sleep=off"
+
+
+# ---- campaigns
+
+def three_kinds_at_once():
+    samples = 160
+    case = f"{CASE} --samples {samples} --seed 5"
+    run = Run(case + "".join(f" --port qemu:{t}" for t in BOARDS))
+    yield from same_campaign(run, case, samples)
+    boards = run.report()["bench"]["boards"]
+    for target, board in zip(BOARDS, boards):
+        flash = loaded(image(target))
+        yield board["results"] > 0 and board["board"] == target, f"{target} took part: {board}"
+        yield int(board["image_crc"], 16) == link.crc32c(flash) and board["image_bytes"] == len(flash), f"{target}: CRC of the image"
+        yield board["emulator"] in run.err and board["emulator"].startswith("qemu-system-"), f"{target}: the emulator's command line is told"
+    print("  " + ", ".join(f"{b['board']} {b['results']}" for b in boards) + f" realisations in {run.report()['seconds']:.2f} s")
+
+
+def another_case():
+    """A soft drive, another start, a first index, refused and lifted realisations."""
+    case = "--duration 2 --window 1:2 --mu 0.1 --wob 60 --cov 0.3 --start rotating --drive soft --samples 24 --first 4000000000 --seed 18446744073709551615"
+    run = Run(case + " --port qemu:mps2-an500")
+    yield from same_campaign(run, case, 24)
+    yield run.report()["liftoff"] > 0 and "drive soft" in run.out, f"lift-off, drive: {run.said}"
+
+
+def lines_that_fail(rate, samples, more):
+    case = f"{CASE} --samples {samples}"
+    lines = [Faulty(t, f"--rate {rate} --seed {k} {more}") for k, t in enumerate(BOARDS)]
+    run = Run(case + "".join(f" --port {line.port}" for line in lines))
+    reports = [line.end() for line in lines]
+    yield from same_campaign(run, case, samples)
+    faults = sum(n for r in reports for way in ("up", "down") for kind, n in r[way].items() if kind != "bytes")
+    carried = sum(r[way]["bytes"] for r in reports for way in ("up", "down"))
+    kills, stalls = (sum(r[k] for r in reports) for k in ("kills", "stalls"))
+    boards = run.report()["bench"]["boards"]
+    yield faults > 0, "something was done to the line"
+    yield stalls == ("stall" in more) * 3 and (kills >= 3) == ("kill" in more), f"{kills} kills, {stalls} stalls"
+    yield all(b["connections"] > 1 for b in boards) or "kill" not in more, "each board that was killed came back"
+    print(f"  rate {rate}: {faults} faults in {carried} bytes, {stalls} stalls, {kills} kills: {sum(b['bad_frames'] for b in boards)} bad frames here, "
+          f"{sum(b['bad_frames_there'] for b in boards)} there, {sum(b['runs_repeated'] + b['requests_repeated'] for b in boards)} repeats, "
+          f"{sum(b['doubles'] for b in boards)} results twice, {run.report()['seconds']:.1f} s")
+
+
+def emulator_killed():
+    """In mid-range, from outside; it is started again. And the only board there is."""
+    samples, case = 80, "--duration 30 --window 20:30 --mu 0.02 --samples 80"
+    run = Run(case + " --port qemu:stm32f405", wait=False)
+    time.sleep(1.0)
+    children = open(f"/proc/{run.process.pid}/task/{run.process.pid}/children", encoding="ascii").read().split()
+    for child in children:
+        os.kill(int(child), signal.SIGKILL)
+    run.wait()
+    yield len(children) == 1, f"one emulator: {children}"
+    yield from same_campaign(run, case, samples)
+    yield run.report()["bench"]["boards"][0]["connections"] == 2, f"it was connected twice: {run.said}"
+
+
+def all_boards_gone():
+    with Between("rv32") as line:
+        run = Run(f"{CASE} --samples 100000 --port {line.port} --give-up 2", wait=False)
+        time.sleep(1.5)
+        line.pull()
+        run.wait()
+    yield run.status == 1 and "no board for 2 s" in run.err.splitlines()[-1], f"no board is left: {run.said}"
+    left = [name for name in os.listdir(TEMPORARY.name) if name.startswith(os.path.basename(run.base))]
+    yield not left, f"nothing half-written: {left}"
+
+
+def other_lines(kind):
+    """The same over TCP and over a terminal, where a host that ends leaves a board that answers the next one."""
+    case = f"{CASE} --samples 30"
+    with Between("mps2-an500", kind=kind) as line:
+        first = Run(f"{CASE} --samples 100000 --port {line.port}", wait=False)
+        time.sleep(1.0)
+        first.process.kill()
+        first.wait()
+        yield from same_campaign(Run(f"{case} --port {line.port} --image {image('mps2-an500')}"), case, 30)
+
+
+# ---- lockstep
+
+def next_float(value):
+    """The same float but for its last bit."""
+    return struct.unpack("<f", struct.pack("<I", struct.unpack("<I", struct.pack("<f", value))[0] ^ 1))[0]
+
+
+def in_step(target, more):
+    run = Run(f"--mode lockstep --duration 60 --port qemu:{target} {more}")
+    report = run.report() if run.status == 0 else {}
+    yield run.status == 0 and report["differing_bits"] == 0 and report["steps"] == 60000, f"60 s, no bit differs: {run.said}"
+    yield report["values"] == 6 * report["frames"], "every field of every frame was compared"
+    rows = run.rows()
+    speeds = [float(row["top_speed_rpm"]) for row in rows]
+    yield len(rows) == report["frames"] + 1 and max(speeds) - min(speeds) > 5, f"{len(rows)} lines, the top turns at {min(speeds):.1f} .. {max(speeds):.1f} rpm"
+    trip = report["round_trip_ms"]
+    print(f"  {target} {more}: {report['frames']} frames, round trip {trip['median']:.2f} ms median, {trip['p95']:.2f} 95 %, {trip['max']:.1f} worst, "
+          f"{report['frames_per_s']:.0f} frames/s")
+
+
+def a_board_that_lies():
+    def lie(message, line):
+        name, seq, fields = message
+        line.frames += name == "lock_answer"
+        if line.frames == 100 and name == "lock_answer":
+            fields["surface_torque"] = next_float(fields["surface_torque"])
+        return again((name, seq, fields))
+    with Between("rv32", lie) as line:
+        run = Run(f"--mode lockstep --duration 5 --port {line.port}")
+    yield run.one_line(1, "frame 100, 1 s", "surface torque differs by 1 bits"), f"the first bit is told: {run.said}"
+    yield not os.path.exists(run.csv), "no file"
+
+
+def step_on_a_bad_line():
+    line = Faulty("rv32", "--rate 3e-3 --seed 3")
+    run = Run(f"--mode lockstep --duration 5 --port {line.port}")
+    line.end()
+    yield run.status == 0 and run.report()["differing_bits"] == 0, f"no bit differs: {run.said}"
+    yield run.report()["board"]["requests_repeated"] > 10, "requests were repeated"
+
+
+def cable_pulled(mode):
+    with Between("rv32") as line:
+        run = Run(f"--mode {mode} --duration 60 --port {line.port}", wait=False)
+        time.sleep(1.5)
+        line.pull(False)
+        run.wait()
+        yield run.one_line(1, "closed at the other end", "session is lost"), f"the cable is pulled: {run.said}"
+        yield not os.path.exists(run.csv), "no file"
+        case = f"{CASE} --samples 4"
+        yield from same_campaign(Run(f"{case} --port {line.port}"), case, 4)
+
+
+# ---- real time
+
+def keeps_time(target):
+    runs = [Run(f"--mode realtime --duration 60 {CLOCK} --port qemu:{target}") for _ in range(2)]
+    first, second = ({k: v for k, v in run.report().items() if k != "board"} if run.status == 0 else run.said for run in runs)
+    yield first["steps"] == 60000 and first["late"] == 0 and 0 < first["load"] < 0.5, f"60 s at 1 kHz: {first}"
+    yield first == second and runs[0].rows() == runs[1].rows(), f"the same again: {second}"
+    yield first["samples"] == first["samples_received"] == 600 == len(runs[0].rows()), "ten samples a second"
+    print(f"  {target}: 60000 steps, {first['late']} late, worst lateness {first['worst_late_us']} us, load {100 * first['load']:.1f} %")
+
+
+def counts_overloads():
+    for steps in (1, 7):
+        report = Run(f"--mode realtime --duration 10 {CLOCK} --port qemu:stm32f405 --overload {steps}:1500").report()
+        yield report["late"] == steps and report["steps"] == 10000, f"{steps} injected, {report['late']} late"
+
+
+def host_dies():
+    """On the deterministic clock no commands are sent: what the board does then."""
+    words = f"--mode realtime --duration 12 {CLOCK} --port qemu:rv32 --stream-hz 1 --command-timeout 3"
+    speeds = {}
+    for policy in ("hold", "ramp --ramp 4", "stop"):
+        run = Run(f"{words} --policy {policy}")
+        speeds[policy] = [round(float(row["top_speed_rpm"])) for row in run.rows()]
+        yield run.status == 0 and run.report()["timeouts"] == 1, f"{policy}: {run.said}"
+    yield speeds["hold"] == [100] * 12, f"hold: {speeds['hold']}"
+    yield speeds["ramp --ramp 4"] == [100, 100, 100, 75, 50, 25] + [0] * 6, f"ramp: {speeds['ramp --ramp 4']}"
+    yield speeds["stop"] == [100, 100], f"stop: {speeds['stop']}"
+
+
+def takes_commands():
+    profile, display = (os.path.join(TEMPORARY.name, name) for name in ("profile.csv", "display"))
+    with open(profile, "w", encoding="ascii") as file:
+        file.write("time_s,rpm,wob_kN\n0,100,100\n1,100,100\n3,140,80\n")
+    run = Run(f"--mode realtime --duration 6 --port qemu:rv32 --profile {profile} --wits {display} --stream-hz 20 --command-timeout 5")
+    report, rows = run.report(), run.rows()
+    yield report["steps"] == 6000 and report["commands"] > 20 and report["timeouts"] == 0, f"commands: {run.said}"
+    yield abs(float(rows[-1]["top_speed_rpm"]) - 140) < 1e-3, f"the last speed: {rows[-1]}"
+    between = [float(r["top_speed_rpm"]) for r in rows if 1.8 < float(r["time_s"]) < 2.2]
+    yield all(101 < speed < 139 for speed in between), f"half way: {between}"
+    frames = wits.frames(bytes_of(display))
+    yield len(frames) == report["wits_frames"] >= 4, f"{len(frames)} WITS frames"
+    yield frames[-1]["0120"] == 140 and abs(frames[-1]["0116"] - 8) < 1.5, f"WITS: {frames[-1]}"
+
+
+def shows_wits():
+    with Between("rv32") as line:
+        Run(f"{CASE} --samples 12 --port {line.port}")
+        run = Run(f"--mode wits --port {line.port}", files=False)
+    frame = wits.one(run.out.encode())
+    yield run.status == 0 and frame["0927"] == 12 and 0 <= frame["0926"] <= 1, f"the board's last campaign: {frame}"
+
+
+# ---- what is not right
+
+def garbage():
+    """1 MB of noise, the largest frame, one that is longer, frames of no known type: before hello's answer and in the middle."""
+    noise = random.Random(6)
+
+    def disturb(message, line):
+        line.frames += 1
+        if line.frames == 1:
+            return noise.randbytes(1 << 20) + again(message)
+        if line.frames % 7 == 0:
+            return link.raw_frame(200, 5, bytes(range(256)) + bytes(135)) + b"\0" + noise.randbytes(3000).replace(b"\0", b"\1") + b"\0" + again(message)
+        return again(message)
+    case = f"{CASE} --samples 30"
+    with Between("mps2-an500", disturb) as line:
+        run = Run(f"{case} --port {line.port}")
+    yield from same_campaign(run, case, 30)
+    yield run.report()["bench"]["boards"][0]["bad_frames"] > 1000, f"what was skipped: {run.said}"
+
+
+def changed_hello(**changes):
+    def change(message, _):
+        name, seq, fields = message
+        return again((name, seq, {**fields, **changes} if name == "hello_reply" else fields))
+    return change
+
+
+def does_not_fit():
+    other = link.SCHEMA ^ 0x5a5a
+    for what, changes, words in (("schema", {"schema": other}, (f"{other:08x}", f"{link.SCHEMA:08x}")), ("string", {"model": "other-12345678"}, ("other-12345678",))):
+        with Between("rv32", changed_hello(**changes)) as line:
+            run = Run(f"{CASE} --port {line.port}")
+            yield run.one_line(1, line.port, *words), f"another {what}: {run.said}"
+            yield not os.path.exists(run.csv), "no file"
+    with Between("rv32") as line:
+        run = Run(f"{CASE} --port {line.port} --image {image('mps2-an500')}")
+        here, there = (f"{link.crc32c(loaded(image(t))):08x}" for t in ("mps2-an500", "rv32"))
+        yield run.one_line(1, here, there), f"another image: {run.said}"
+        run = Run(f"{CASE} --port {line.port}", real="double")
+        yield run.one_line(1, "computes in float", "REAL=double"), f"another precision: {run.said}"
+
+
+def boards_that_do_not_agree():
+    """The same index twice, once with another bit; and a draw that is not this program's."""
+    def change(message, line):
+        name, seq, fields = message
+        line.frames += name == "result"
+        if line.frames == 5 and name == "result":
+            return again(message) + again((name, seq, {**fields, "ss": next_float(fields["ss"])}))
+        return again(message)
+
+    def other_draw(message, _):
+        name, seq, fields = message
+        return again((name, seq, {**fields, "draw_crc": fields["draw_crc"] ^ 1} if name == "result" else fields))
+    with Between("rv32", change) as line:
+        run = Run(f"{CASE} --port {line.port}")
+        yield run.one_line(1, "realisation 4: other bits"), f"another bit: {run.said}"
+    with Between("rv32", other_draw) as line:
+        run = Run(f"{CASE} --port {line.port}")
+        yield run.one_line(1, "realisation 0: its draw"), f"another draw: {run.said}"
+
+
+USAGE = ["", "--port nowhere", "--port qemu:nope", "--port qemu:../rv32", "--port qemu:targets", "--port tcp:x", "--port tcp::1", "--port tcp:x:0", "--port unix:",
+         "--port qemu:", "--port /dev/null", "--port /dev/ttyS9,baud=77", "--port qemu:rv32 --image Makefile", "--port qemu:rv32 --image nothing", "--port qemu:rv32 --mode nope",
+         "--port qemu:rv32 --mode lockstep --samples 3", "--port qemu:rv32 --port qemu:rv32 --mode lockstep", "--port qemu:rv32 --out x", "--port qemu:rv32 --overload 5",
+         "--port qemu:rv32 --mode realtime --overload 5", "--port qemu:rv32 --mode realtime --overload x:5", "--port qemu:rv32 --mode realtime --drive soft",
+         "--port qemu:rv32 --mode realtime --policy no", "--port qemu:rv32 --mode realtime --step 0.0005", "--port qemu:rv32 --mode lockstep --frame-ticks 0",
+         "--port qemu:rv32 --mode lockstep --profile nothing", "--port qemu:rv32 --mode lockstep --profile Makefile", "--port qemu:rv32 --threads 2",
+         "--port qemu:rv32 --give-up 0", "--port qemu:rv32 --first 4294967295 --samples 1", "--port qemu:rv32 --mode lockstep --mu 1"]
+
+
+def misuse():
+    for words in USAGE:
+        run = Run(words, files=False)
+        yield run.one_line(2), f"'{words}': {run.status}, {run.said}"
+    for words in ("unix:/nonexistent/line", "tcp:127.0.0.1:1", "/dev/ttyNOTHERE"):
+        run = Run(f"--port {words} --give-up 0.5", files=False)
+        yield run.one_line(1, "no board for", words), f"'{words}': {run.said}"
+    with tempfile.TemporaryDirectory() as folder:
+        done = subprocess.run([KELLY["float"], "bench", "--port", "qemu:rv32"], cwd=folder, capture_output=True, text=True, check=False)
+        yield done.returncode == 2 and "linker/rv32.mk" in done.stderr, f"outside the tree: {done.stderr}"
+        os.symlink(os.path.join(ROOT, "linker"), os.path.join(folder, "linker"))
+        done = subprocess.run([KELLY["float"], "bench", "--port", "qemu:rv32"], cwd=folder, capture_output=True, text=True, check=False)
+        yield done.returncode == 2 and "make TARGET=rv32" in done.stderr, f"no image: {done.stderr}"
+
+
+def scenarios():
+    for rate, samples, more in ((1e-4, 800, ""), (1e-3, 400, "--stall-at 1"), (1e-2, 400, "--stall-at 1.5 --kill-after 3000")):
+        yield f"lines that fail {rate}", lines_that_fail, (rate, samples, more)
+    yield "three kinds at once", three_kinds_at_once, ()
+    for target in BOARDS:
+        yield f"in step {target}", in_step, (target, {"rv32": "--drive soft --sample 3", "mps2-an500": "--frame-ticks 25 --start rotating"}.get(target, ""))
+        yield f"keeps time {target}", keeps_time, (target,)
+    yield "emulator killed", emulator_killed, ()
+    yield "all boards gone", all_boards_gone, ()
+    yield "another case", another_case, ()
+    for kind in ("tcp", "pty"):
+        yield f"other lines {kind}", other_lines, (kind,)
+    yield "step on a bad line", step_on_a_bad_line, ()
+    for mode in ("lockstep", "realtime"):
+        yield f"cable pulled {mode}", cable_pulled, (mode,)
+    for scenario in (a_board_that_lies, counts_overloads, host_dies, takes_commands, shows_wits, garbage, does_not_fit, boards_that_do_not_agree, misuse):
+        yield scenario.__name__.replace("_", " "), scenario, ()
+
+
+def run_scenario(scenario):
+    name, function, arguments = scenario
+    begin, claims = time.monotonic(), []
+    try:
+        for claim in function(*arguments):
+            claims.append(claim)
+    except (KeyError, TypeError, OSError, ValueError, subprocess.SubprocessError) as why:
+        claims.append((False, f"{type(why).__name__}: {why}"))
+    return name, claims, time.monotonic() - begin
+
+
+def main():
+    words = sys.argv[1:]
+    for target in BOARDS:
+        subprocess.run(["make", "-s", f"TARGET={target}", "device"], cwd=ROOT, check=True, stdin=subprocess.DEVNULL)
+    chosen = [s for s in scenarios() if not words or any(w in s[0] for w in words)]
+    passed = failed = 0
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        for name, claims, seconds in pool.map(run_scenario, chosen):
+            wrong = [text for good, text in claims if not good]
+            passed, failed = passed + len(claims) - len(wrong), failed + len(wrong)
+            print(f"{name}: {len(claims) - len(wrong)} passed, {len(wrong)} failed, {seconds:.1f} s", flush=True)
+            for text in wrong:
+                print("  FAIL " + text)
+    print(f"{passed} passed, {failed} failed")
+    return failed != 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
