@@ -12,6 +12,13 @@
 #define UNROLL
 #endif
 
+/* What several stages share: one copy on a small machine, whose flash it spares; inlined where vectors demand it. */
+#if KELLY_WIDTH == 1
+#define SHARED static __attribute__((noinline))
+#else
+#define SHARED KELLY_INLINE
+#endif
+
 /* One stage of a step: what goes in, and the torque, eta' and u that come out. */
 typedef struct {
     vreal eta, phi, y, p, sine;
@@ -30,7 +37,7 @@ typedef struct {
 } impulses;
 
 /* sin a and 1 - cos a of |a| <= KELLY_TURN, within 2e-11 (float: half an ulp). */
-KELLY_INLINE void small_angle(vreal a, vreal *sine, vreal *versine)
+SHARED void small_angle(vreal a, vreal *sine, vreal *versine)
 {
     const vreal u = a * a;
 #ifdef KELLY_DOUBLE
@@ -64,7 +71,7 @@ KELLY_INLINE void turn(kelly_driven_lane *on, vreal a)
 }
 
 /* Torque of the bit and slope of the top. */
-KELLY_INLINE void respond(const kelly_driven_lane *on, stage *s, real alpha)
+SHARED void respond(const kelly_driven_lane *on, stage *s, real alpha)
 {
     const vreal muf = vmin(on->muf_mean + on->muf_swing * s->sine, vsplat(0));
     vreal push;
@@ -76,14 +83,14 @@ KELLY_INLINE void respond(const kelly_driven_lane *on, stage *s, real alpha)
 }
 
 /* Speed, angle and weight of a stage that the slope and the speed of `from` lead to in the time dt. */
-KELLY_INLINE void reach(const kelly_driven_lane *on, stage *s, const stage *from, real dt)
+SHARED void reach(const kelly_driven_lane *on, stage *s, const stage *from, real dt)
 {
     s->eta = on->eta + dt * from->slope;
     s->phi = on->phi + dt * (from->eta - on->counted);
     s->sine = sine_after(on, dt * (on->w_ref + from->eta));
 }
 
-KELLY_INLINE vreal echo(const kelly_output *o, unsigned k, const stage *s)
+SHARED vreal echo(const kelly_output *o, unsigned k, const stage *s)
 {
     return o->of_t[k] * s->t + o->of_u[k] * s->u;
 }
@@ -122,7 +129,7 @@ KELLY_INLINE void fourth(const kelly_driven_lane *on, stage s[4], real h, real a
     respond(on, &s[3], alpha);
 }
 
-KELLY_INLINE impulses impulses_of(vreal f1, vreal f2, vreal f3, vreal f4, real h)
+SHARED impulses impulses_of(vreal f1, vreal f2, vreal f3, vreal f4, real h)
 {
     const real sixth = h / R(6.0);
     const vreal f12 = f1 + f2, f123 = f12 + f3;
@@ -164,7 +171,7 @@ KELLY_INLINE void add_outputs(sums *sum, const kelly_driven_mode *m)
 }
 
 /* An output at the four stages from its value and its first three derivatives. */
-KELLY_INLINE void stages_of(vreal at[4], vreal o0, vreal o1, vreal o2, vreal o3)
+SHARED void stages_of(vreal at[4], vreal o0, vreal o1, vreal o2, vreal o3)
 {
     at[0] = o0;
     at[1] = o0 + R(0.5) * o1;
@@ -173,7 +180,7 @@ KELLY_INLINE void stages_of(vreal at[4], vreal o0, vreal o1, vreal o2, vreal o3)
 }
 
 /* What the next step starts from, out of the sums. */
-KELLY_INLINE void look_ahead(kelly_driven_lane *on, const sums *sum, real be)
+SHARED void look_ahead(kelly_driven_lane *on, const sums *sum, real be)
 {
     stages_of(on->y.at, sum->y0, sum->y1, sum->y2, sum->y3);
     stages_of(on->p.at, sum->p0 + be * sum->p1, sum->p1 + be * sum->p2, sum->p2 + be * sum->p3, sum->p3 + be * sum->p4);

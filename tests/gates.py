@@ -23,6 +23,7 @@ GATES = {
     "digests": ("test", 900, f"{PYTHON} tests/check_digests.py"),
     "figures": ("test", 600, f"{PYTHON} tests/check_figures.py"),
     "map": ("test", 600, f"{PYTHON} tests/check_map.py"),
+    "drive": ("test", 300, f"{PYTHON} tests/check_drive.py"),
     "use": ("test", 600, f"{PYTHON} tests/check_use.py"),
     "generator": ("test", 300, f"{PYTHON} tests/check_gen.py"),
     "sensitivity": ("test", 300, f"{PYTHON} tests/check_sensitivity.py"),

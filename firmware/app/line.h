@@ -3,7 +3,8 @@
  * Bytes sent before a UART is up are lost, so the board asks: it prints a line `?` and waits for one line, ended by LF
  * or CR. Whoever runs it answers each `?`, with an empty line where there is nothing to say. A board that stands alone
  * goes on after LINE_WAIT_MS; the time is long because an emulator on a busy machine may be slow to be answered.
- * (Under -icount emulated time runs ahead of the host: always answer there.)
+ * (Under -icount emulated time runs ahead of the host: always answer there.) The device program
+ * asks in the same way and waits for ever (device.c).
  */
 #ifndef KELLY_LINE_H
 #define KELLY_LINE_H
