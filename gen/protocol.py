@@ -237,7 +237,7 @@ MESSAGES = [
             "What would a rig display read? Answered by wits."),
     Message(20, "wits", BOARD, _fields("""
         text text<360> [] one WITS level 0 frame, && to !!"""),
-            "One frame for a rig display."),
+            "One frame for a rig display; its items are listed in firmware/link/wits.h."),
 ]
 
 

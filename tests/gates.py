@@ -35,6 +35,8 @@ GATES = {
     "lanes-float": ("test", 300, "make -s unit && build/host/lanes"),
     "lanes-double": ("test", 300, "make -s unit REAL=double && build/host-double/lanes"),
     "accuracy-float": ("test", 300, "make -s unit && build/host/accuracy"),
+    "link": ("test", 300, f"{PYTHON} tests/check_link.py"),
+    "faulty-line": ("test", 120, f"{PYTHON} tests/check_faulty_line.py"),
     "vectors": ("test", 120, f"{PYTHON} tests/vectors/make_vectors.py --check"),
     "boards": ("test", 900, f"{PYTHON} tests/check_targets.py"),
     "images": ("test", 900, f"{PYTHON} tests/check_images.py"),
