@@ -12,6 +12,7 @@
 #include "bench_session.h"
 
 #define COMMAND_TIME 0.1         /* [s] between commands along a profile */
+#define WITS_BAUD 9600u          /* what rig displays listen at */
 #define QUIET_TIME 2.0           /* [s] without a sample, after which the board is asked how it goes */
 
 typedef struct {
@@ -79,21 +80,6 @@ static void take(void *context, uint8_t type, const uint8_t *body, size_t size)
 
 /* ---- what it is told and asked --------------------------------------------------------------------------------- */
 
-/* Where the top and the weight are to be one command later. */
-static void command(realtime *r, double now)
-{
-    const double step = case_seconds(&r->s.run, 1);
-    uint8_t body[KELLY_RT_COMMAND_MAX];
-    kelly_msg_rt_command m = { .session = r->s.id, .number = ++r->number, .ramp_ticks = (uint32_t)fmax(1.0, r->command_time / step) };
-    double rpm, wob;
-
-    profile_at(&r->profile, now - r->begin + r->command_time, &rpm, &wob);
-    m.top_speed = (real)(rpm * RPM);
-    m.weight = (real)(wob * 1000.0);
-    r->commanded = now;
-    session_call(&r->s, KELLY_MSG_RT_COMMAND, body, kelly_put_rt_command(body, &m), KELLY_MSG_RT_ACK);
-}
-
 static void query(realtime *r)
 {
     uint8_t body[KELLY_RT_QUERY_MAX];
@@ -104,6 +90,28 @@ static void query(realtime *r)
     if (kelly_get_rt_report(r->s.reply, r->s.reply_size, &m)) {
         take_report(r, &m);
     }
+}
+
+/* Where the top and the weight are to be one command later. The string may have ended while the command was under way. */
+static void command(realtime *r, double now)
+{
+    const double step = case_seconds(&r->s.run, 1);
+    uint8_t body[KELLY_RT_COMMAND_MAX];
+    kelly_msg_rt_command m = { .session = r->s.id, .number = ++r->number, .ramp_ticks = (uint32_t)fmax(1.0, r->command_time / step) };
+    kelly_msg_error error;
+    double rpm, wob;
+
+    profile_at(&r->profile, now - r->begin + r->command_time, &rpm, &wob);
+    m.top_speed = (real)(rpm * RPM);
+    m.weight = (real)(wob * 1000.0);
+    r->commanded = now;
+    if (session_ask(&r->s, KELLY_MSG_RT_COMMAND, body, kelly_put_rt_command(body, &m), KELLY_MSG_RT_ACK, &error)) {
+        return;
+    }
+    if (error.code != KELLY_ERR_ORDER) {
+        board_refused(r->s.b, &error);
+    }
+    query(r);
 }
 
 /* A display that does not read loses frames; it holds nobody up. */
@@ -228,7 +236,7 @@ static void open_files(realtime *r)
     }
     if (ask->wits) {
         r->wits = open(ask->wits, O_WRONLY | O_CREAT | O_APPEND | O_NOCTTY | O_NONBLOCK | O_CLOEXEC, 0666);
-        if (r->wits < 0) {
+        if (r->wits < 0 || (isatty(r->wits) && !port_settle(r->wits, WITS_BAUD))) {
             die(EXIT_FAILED, "--wits %s: cannot write here: %s", ask->wits, strerror(errno));
         }
     }

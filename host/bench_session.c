@@ -35,19 +35,27 @@ static void board_heard(void *context, board *b, uint8_t type, uint32_t seq, con
     }
 }
 
-void session_call(bench_session *s, uint8_t type, const uint8_t *body, size_t size, uint8_t want)
+int session_ask(bench_session *s, uint8_t type, const uint8_t *body, size_t size, uint8_t want, kelly_msg_error *error)
 {
-    kelly_msg_error error;
-
     s->awaited = board_ask(s->b, type, body, size);
     while (s->awaited != 0) {
         link_wait(&s->set, 0.1);
     }
-    if (s->reply_type == KELLY_MSG_ERROR && kelly_get_error(s->reply, s->reply_size, &error)) {
-        board_refused(s->b, &error);
+    if (s->reply_type == KELLY_MSG_ERROR && kelly_get_error(s->reply, s->reply_size, error)) {
+        return 0;
     }
     if (s->reply_type != want) {
         die(EXIT_FAILED, "%s: request %u was answered by message %u instead of %u", s->b->port.text, type, s->reply_type, want);
+    }
+    return 1;
+}
+
+void session_call(bench_session *s, uint8_t type, const uint8_t *body, size_t size, uint8_t want)
+{
+    kelly_msg_error error;
+
+    if (!session_ask(s, type, body, size, want, &error)) {
+        board_refused(s->b, &error);
     }
 }
 

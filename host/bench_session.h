@@ -27,7 +27,10 @@ void session_open(bench_session *s, const bench_request *ask, board *b);
 /* Start its string: fills case, source and draw of `start`, the rest is the caller's. Dies with one line where it is refused. */
 void session_start(bench_session *s, kelly_msg_plant_start *start);
 
-/* Ask, and wait for an answer of type `want` into s->reply; dies where the board refuses. */
+/* Ask, and wait for an answer of type `want` into s->reply: 1; or 0 and the error where the board refuses. */
+int session_ask(bench_session *s, uint8_t type, const uint8_t *body, size_t size, uint8_t want, kelly_msg_error *error);
+
+/* The same where a refusal ends the program. */
 void session_call(bench_session *s, uint8_t type, const uint8_t *body, size_t size, uint8_t want);
 
 /* Stop the board: it is idle afterwards. */

@@ -88,8 +88,7 @@ static void add_word(port *p, unsigned *n, const char *word)
     if (*n + 1 >= PORT_WORDS || used + strlen(word) + 2 > sizeof(p->command)) {
         die(EXIT_USAGE, "--port %s: the emulator's command line is too long", p->text);
     }
-    memcpy(p->command + used, " ", *n > 0);
-    memcpy(p->command + used + (*n > 0), word, strlen(word) + 1);
+    snprintf(p->command + used, sizeof(p->command) - used, "%s%s", *n > 0 ? " " : "", word);
     p->words[(*n)++] = word;
 }
 

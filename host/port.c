@@ -2,6 +2,8 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -124,23 +126,23 @@ static int fail_at(port *p, const char *what)
     return fail(p);
 }
 
-static int settle_serial(port *p)
+int port_settle(int fd, unsigned baud)
 {
     struct termios line;
     speed_t speed = B115200;
 
-    if (tcgetattr(p->fd, &line) != 0) {
+    if (tcgetattr(fd, &line) != 0) {
         return 0;
     }
     for (unsigned i = 0; i < sizeof(speeds) / sizeof(speeds[0]); i++) {
-        speed = speeds[i].baud == p->baud ? speeds[i].speed : speed;
+        speed = speeds[i].baud == baud ? speeds[i].speed : speed;
     }
     cfmakeraw(&line);
     line.c_cflag |= CLOCAL | CREAD;
     line.c_cc[VMIN] = 1;         /* a read of nothing is the end of the line and not a pause */
     line.c_cc[VTIME] = 0;
-    return cfsetispeed(&line, speed) == 0 && cfsetospeed(&line, speed) == 0 && tcsetattr(p->fd, TCSANOW, &line) == 0 &&
-           tcflush(p->fd, TCIOFLUSH) == 0;
+    return cfsetispeed(&line, speed) == 0 && cfsetospeed(&line, speed) == 0 && tcsetattr(fd, TCSANOW, &line) == 0 &&
+           tcflush(fd, TCIOFLUSH) == 0;
 }
 
 static int open_serial(port *p)
@@ -152,7 +154,7 @@ static int open_serial(port *p)
     if (p->fd >= 0 && !isatty(p->fd)) {
         die(EXIT_USAGE, "--port %s: not a serial device; give /dev/ttyACM0, tcp:HOST:PORT, unix:PATH or qemu:NAME", p->text);
     }
-    if (p->fd < 0 || !settle_serial(p)) {
+    if (p->fd < 0 || !port_settle(p->fd, p->baud)) {
         return fail_at(p, p->where);
     }
     return 1;
@@ -180,7 +182,7 @@ static int open_tcp(port *p)
 {
     const struct addrinfo want = { .ai_socktype = SOCK_STREAM };
     struct addrinfo *found;
-    const int error = getaddrinfo(p->where, p->service, &want, &found);
+    const int at_once = 1, error = getaddrinfo(p->where, p->service, &want, &found);
     int fine;
 
     if (error) {
@@ -188,6 +190,7 @@ static int open_tcp(port *p)
         return fail(p);
     }
     fine = start_connect(p, found->ai_addr, found->ai_addrlen, found->ai_family);
+    (void)setsockopt(p->fd, IPPROTO_TCP, TCP_NODELAY, &at_once, sizeof(at_once));
     freeaddrinfo(found);
     return fine;
 }

@@ -44,6 +44,9 @@ double port_now(void);
  * are --image and --icount, or 0. */
 void port_parse(port *p, const char *text, const char *image, const char *icount);
 
+/* Make a serial device raw, 8N1, at this speed; 0 where it cannot be. */
+int port_settle(int fd, unsigned baud);
+
 /* Open it if it is closed and a try is due: 1 where it can be used (connecting ends in port_ready). */
 int port_open(port *p);
 

@@ -45,6 +45,7 @@ GATES = {
     "rebuilds": ("test", 300, f"{PYTHON} tests/check_rebuilds.py"),
     "accuracy-double": ("test", 300, "make -s unit REAL=double && build/host-double/accuracy"),
 }
+TARGETS = sorted(f[:-3] for f in os.listdir(os.path.join(ROOT, "linker")) if f.endswith(".mk") and f != "targets.mk")
 
 
 def run_gate(name):
@@ -97,6 +98,8 @@ def main():
     for real in ("float", "double"):   # built once, before gates that run side by side would build it twice
         for goal in ("all", "unit"):
             subprocess.run(["make", "-s", f"-j{os.cpu_count()}", goal, f"REAL={real}"], cwd=ROOT, check=True)
+        for target in [] if only else TARGETS:
+            subprocess.run(["make", "-s", f"-j{os.cpu_count()}", f"TARGET={target}", f"REAL={real}"], cwd=ROOT, check=True)
     board = Board(names)
     workers = [threading.Thread(target=board.work) for _ in range(min(os.cpu_count() or 1, len(names)))]
     for worker in workers:
