@@ -189,6 +189,15 @@ map: $(dir)/kelly                             ## the driller's map: build/figure
 	$(dir)/kelly map $(MAP) --csv $(map_files).csv --json $(map_files).json --npy $(map_files).npy
 	@$$(for p in python3 /usr/bin/python3; do $$p -c 'import matplotlib' 2>/dev/null && echo $$p && break; done) host/draw_map.py $(map_files).json $(map_files)
 
+.PHONY: drives
+drives: $(dir)/kelly                          ## stiff against soft-torque drive over speed and weight: build/figures/drives.png, .svg (two minutes)
+	@sh tests/install python3-matplotlib
+	@mkdir -p build/figures
+	$(dir)/kelly map $(MAP) --rpm 40:140:10 --wob 25:225:25 --quiet --json $(map_files)-stiff.json
+	$(dir)/kelly map $(MAP) --rpm 40:140:10 --wob 25:225:25 --drive soft --quiet --json $(map_files)-soft.json
+	@$$(for p in python3 /usr/bin/python3; do $$p -c 'import matplotlib' 2>/dev/null && echo $$p && break; done) host/draw_drives.py \
+	 $(map_files)-stiff.json $(map_files)-soft.json build/figures/drives$(real_suffix)$(name_suffix)
+
 figures: $(dir)/kelly                         ## Figures 1-8 of the paper and what was found: build/figures/index.html (a minute on two cores)
 	@sh tests/install python3-numpy python3-matplotlib
 	@$$(for p in python3 /usr/bin/python3; do $$p -c 'import numpy, matplotlib' 2>/dev/null && echo $$p && break; done) host/figures.py \

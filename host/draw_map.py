@@ -92,7 +92,8 @@ def subtitle(data):
     ratio = np.array(data["f0_kN"]) / np.array(data["wob_kN"])
     weight = f"f0 = {ratio[0]:.3g} WOB" if np.allclose(ratio, ratio[0]) else f"f0 = {data['f0_kN'][0]:g} kN"
     n = f"at most {data['samples']}" if data["adaptive_width"] else f"{data['samples']}"
-    return (f"string {data['model']}, \u03bc = {case['mu']:g}, {weight}; coefficients of variation: {spread}\n{n} realisations a cell; "
+    drive = "" if case.get("drive", "stiff") == "stiff" else f", drive {case['drive']}"
+    return (f"string {data['model']}, \u03bc = {case['mu']:g}, {weight}{drive}; coefficients of variation: {spread}\n{n} realisations a cell; "
             f"stick-slip: ss > {case['limit']:g} over {case['window_s'][0]:g}\u2013{case['window_s'][1]:g} s")
 
 

@@ -217,6 +217,18 @@ def check_map():
         claim(data[start]["digest"][0][1] == one["digest"], f"a cell of the map is montecarlo's, {start}")
 
 
+def check_result():
+    """What the drive is for: fewer realisations stick, at no setting more, least where all of them stick."""
+    def stuck(mu, rpm, wob, start, drive):
+        words = f"montecarlo --mu {mu} --rpm {rpm} --wob {wob} --f0 {wob / 2:g} --start {start} --samples 400 --drive {drive} --json -"
+        return json.loads(kelly("float", words).stdout)
+    for start, rpm, wob in (("rest", 100, 100), ("rest", 80, 75), ("rest", 120, 125), ("rotating", 80, 100), ("rotating", 100, 150)):
+        stiff, soft = (stuck(0.004, rpm, wob, start, drive) for drive in ("stiff", "soft"))
+        claim(soft["ci95"][1] < stiff["ci95"][0], f"soft rock, {rpm} rpm, {wob} kN, {start}: {soft['probability']} is not below {stiff['probability']}")
+        print(f"soft rock, {rpm} rpm, {wob} kN, {start}: P {stiff['probability']:.3f} stiff, {soft['probability']:.3f} soft")
+    claim(stuck(0.04, 100, 100, "rest", "soft")["probability"] == 1.0, "hard rock: it sticks under either drive")
+
+
 def check_engines():
     for real in HOST:
         digests = {}
