@@ -10,20 +10,24 @@
 
 #include "detmath.h"
 
-/* The torque from 2 mu min(f, 0) and a1 / 2: the factor of tanh(w) = 2 a b / q taken out, the same bits with one operation less. */
-KELLY_INLINE vreal kelly_bit_torque_folded(vreal w, vreal twice_muf, vreal half_a1, vreal a2)
-{
-    const vreal s = a2 * (w * w) + R(1.0);
-    vreal a, b, q;
-
-    kelly_tanh_parts(w, &a, &b, &q);
-    return (twice_muf * ((a * b) * s + (half_a1 * w) * q)) / (q * s);
-}
-
 /* Bit torque [N m] at bit speed w [rad/s]; muf = mu min(f, 0) <= 0 [N m]: negative for w > 0, it resists. */
 static inline vreal kelly_bit_torque(vreal w, vreal muf, vreal a1, vreal a2)
 {
-    return kelly_bit_torque_folded(w, muf + muf, R(0.5) * a1, a2);
+    const vreal s = a2 * (w * w) + R(1.0);
+    vreal p, q;
+
+    kelly_tanh_ratio(w, &p, &q);
+    return (muf * (p * s + (a1 * w) * q)) / (q * s);
+}
+
+/* The same from 2 mu min(f, 0), a1 / (2 a2) and 1 / a2: with the factors of 2 and a2 taken out, two operations less. */
+KELLY_INLINE vreal kelly_bit_torque_folded(vreal w, vreal twice_muf, vreal ratio, vreal inverse)
+{
+    const vreal s = w * w + inverse;
+    vreal a, b, q;
+
+    kelly_tanh_parts(w, &a, &b, &q);
+    return (twice_muf * ((a * b) * s + (ratio * w) * q)) / (q * s);
 }
 
 #endif

@@ -5,6 +5,7 @@
 #define F_OFFSET R(0.01)          /* constant part of f_a / f0, eq. (F) */
 #define QUARTER_TURN ((uint64_t)1 << 62)
 #define SANE R(1e30)              /* states, which grow as (d/b) / h^2, and finite in float with room for one more step */
+#define SMALL_A2 R(1e-18)         /* below it a2 w^2 is nothing beside 1, and 1 / a2 might overflow */
 #define SANE_SPEED R(1e6)         /* [rad/s], of the bit */
 
 /* Form S leaves out terms in be w^2, w^2 and al^2, which lie below half an ulp of what they would be added to up to these
@@ -25,6 +26,9 @@ void kelly_block_clear(kelly_block *block, const kelly_table *table, const kelly
     const real w = h * h * larger(kelly_poly(top, table->degree, R(1.0)), kelly_poly(top, table->degree, R(-1.0)));
 
     *block = (kelly_block){ 0 };   /* a lane without a realisation stands still: no torque, never a NaN */
+    for (unsigned lane = 0; lane < KELLY_LANES; lane++) {
+        LANE(block->lane[lane / KELLY_WIDTH].inverse, lane % KELLY_WIDTH) = R(1.0);
+    }
     block->h = h;
     block->al = table->alpha * h;
     block->be = table->beta / h;
@@ -62,31 +66,33 @@ static void load_mode(kelly_mode *mode, unsigned l, const kelly_block *block, re
     LANE(mode->m3, l) = z1;
 }
 
-/* The numbers of one mode that lead to form S: D = p A + r w I, det D = w det, x = 2 (s Q/h + (1/2 + skew) Q') scaled. */
+/* The numbers of one mode that lead to form S, as distances from 1, -1/2 and 1, which are small: so the coefficients are right to
+ * the last digit or two. p and r: D = p A + r w I;  w e = det D;  p - c r = 1 - w/6 + c w/24. */
 typedef struct {
-    real w, c, p, r, det;
+    real c, p, r, e;
 } slow_numbers;
 
 static slow_numbers slow_of(const kelly_block *block, real w)
 {
     const real c = block->al + block->be * w, cc = c * c - w;
-    slow_numbers k = { .w = w, .c = c };
+    const real n = c * w / R(24.0) - w / R(6.0);
+    slow_numbers k = { .c = c };
 
-    k.p = R(1.0) - R(0.5) * c + cc / R(6.0) + c * (w - cc) / R(24.0);
-    k.r = c / R(6.0) - cc / R(24.0) - R(0.5);
-    k.det = k.p * (k.p - c * k.r) + w * (k.r * k.r);
+    k.p = cc / R(6.0) + c * (w - cc) / R(24.0) - R(0.5) * c;
+    k.r = c / R(6.0) - cc / R(24.0);
+    k.e = (k.p + n) + (k.p * n + w * ((k.r - R(0.5)) * (k.r - R(0.5))));
     return k;
 }
 
 static void load_slow(kelly_slow_mode *mode, unsigned l, const kelly_block *block, real w, real g)
 {
     const slow_numbers k = slow_of(block, w);
-    const real gk = g * block->h / R(6.0);
+    const real gk = g * block->h / R(6.0), gw = R(0.25) * gk * w;
 
-    LANE(mode->t, l) = w * (2 * k.r + R(0.5) * k.det) - k.c * k.p;
-    LANE(mode->d, l) = R(0.5) * w * k.det;
+    LANE(mode->t, l) = (w * (2 * k.r + R(0.5) * k.e) - k.c * k.p) - (k.c + R(0.5) * w);
+    LANE(mode->d, l) = R(0.5) * (w + w * k.e);
     LANE(mode->g, l) = gk;
-    LANE(mode->m, l) = R(0.25) * gk * w * (k.det / k.p);
+    LANE(mode->m, l) = gw + gw * ((k.e - k.p) / (R(1.0) + k.p));
     LANE(mode->w4, l) = R(0.25) * w;
 }
 
@@ -107,7 +113,7 @@ static void put_state(kelly_block *block, unsigned lane, unsigned i, real w, rea
         const slow_numbers k = slow_of(block, w);
 
         LANE(mode->v, l) = scale * speed;
-        LANE(mode->x, l) = scale * ((2 * k.p * over_h + (k.det + 2 * k.r) * speed) / k.det);
+        LANE(mode->x, l) = scale * ((2 * (over_h + k.p * over_h) + (k.e + 2 * k.r) * speed) / (R(1.0) + k.e));
     }
 }
 
@@ -148,17 +154,17 @@ static void load_modes(kelly_block *block, unsigned lane, const kelly_modes *mod
 static void first_speeds(kelly_block *block, unsigned v)
 {
     if (block->full) {
-        sums_m sum = { .x = vsplat(0) };
+        sums_m sum = outputs_m(&block->mode[v][0]);
 
-        for (unsigned i = 0; i < block->modes; i++) {
-            add_outputs_m(&sum, &block->mode[v][i]);
+        for (unsigned i = 1; i < block->modes; i++) {
+            add_m(&sum, outputs_m(&block->mode[v][i]));
         }
         stage_speeds_m(&block->lane[v], &sum, block->al, block->be);
     } else {
-        sums_s sum = { .v = vsplat(0) };
+        sums_s sum = outputs_s(&block->slow[v][0]);
 
-        for (unsigned i = 0; i < block->modes; i++) {
-            add_outputs_s(&sum, &block->slow[v][i]);
+        for (unsigned i = 1; i < block->modes; i++) {
+            add_s(&sum, outputs_s(&block->slow[v][i]));
         }
         stage_speeds_s(&block->lane[v], &sum, block->al, block->be);
     }
@@ -176,12 +182,13 @@ void kelly_block_load(kelly_block *block, unsigned lane, const kelly_case *run,
     const unsigned l = lane % KELLY_WIDTH;
     const uint64_t step = kelly_phase_step(draw->w0, run->step_ns);
     const real half_sine = kelly_sin_turn(step / 2);
+    const real a2 = larger(draw->a2, SMALL_A2);
     kelly_lane *const out = &block->lane[lane / KELLY_WIDTH];
 
     block->phase_step[lane] = step;
     LANE(out->w0, l) = draw->w0;
-    LANE(out->a1, l) = R(0.5) * draw->a1;
-    LANE(out->a2, l) = draw->a2;
+    LANE(out->ratio, l) = draw->a1 / (2 * a2);
+    LANE(out->inverse, l) = R(1.0) / a2;
     LANE(out->muf_mean, l) = 2 * draw->mu * (F_OFFSET * run->f0 - draw->fc);
     LANE(out->muf_swing, l) = 2 * draw->mu * run->f0;
     LANE(out->wave_k, l) = 4 * half_sine * half_sine;
@@ -231,7 +238,7 @@ static void scaled_state(const kelly_block *block, unsigned lane, unsigned i, re
         const slow_numbers k = slow_of(block, w);
 
         *speed = scale * LANE(block->slow[v][i].v, l);
-        over_h = (k.det * (scale * LANE(block->slow[v][i].x, l)) - (k.det + 2 * k.r) * *speed) / (2 * k.p);
+        over_h = ((R(1.0) + k.e) * (scale * LANE(block->slow[v][i].x, l)) - (k.e + 2 * k.r) * *speed) / (2 * (R(1.0) + k.p));
     }
     *q = block->h * over_h;
 }

@@ -14,26 +14,35 @@ typedef struct {
     vreal s0, e1, e2, e3, e4;
 } inputs_m;
 
-KELLY_INLINE void add_outputs_m(sums_m *sum, const kelly_mode *mode)
+KELLY_INLINE sums_m outputs_m(const kelly_mode *mode)
 {
     const vreal z = mode->m2 * mode->xi + mode->m3 * mode->zeta;
     const vreal x = mode->m0 * mode->xi + mode->m1 * mode->zeta;
     const vreal wx = mode->w * x;
 
-    sum->x = sum->x + x;
-    sum->z = sum->z + z;
-    sum->wx = sum->wx + wx;
-    sum->wz = sum->wz + mode->w * z;
-    sum->wwx = sum->wwx + mode->w * wx;
+    return (sums_m){ .x = x, .z = z, .wx = wx, .wz = mode->w * z, .wwx = mode->w * wx };
 }
 
-/* x <- x + D x + inputs */
-KELLY_INLINE void move_m(kelly_mode *mode, const inputs_m *in)
+KELLY_INLINE void add_m(sums_m *sum, sums_m one)
 {
-    const vreal xi = mode->xi, zeta = mode->zeta;
+    sum->x = sum->x + one.x;
+    sum->z = sum->z + one.z;
+    sum->wx = sum->wx + one.wx;
+    sum->wz = sum->wz + one.wz;
+    sum->wwx = sum->wwx + one.wwx;
+}
 
-    mode->xi = xi + ((mode->d00 * xi + mode->d01 * zeta) + (in->s0 + mode->w * (in->e1 + mode->w * in->e2)));
-    mode->zeta = zeta + ((mode->d10 * xi + mode->d11 * zeta) + (in->e4 + mode->w * in->e3));
+/* x <- x + D x + inputs; returns the outputs. */
+KELLY_INLINE sums_m move_m(kelly_mode *mode, const inputs_m *in)
+{
+    kelly_mode now = *mode;
+    const vreal xi = now.xi, zeta = now.zeta;
+
+    now.xi = xi + ((now.d00 * xi + now.d01 * zeta) + (in->s0 + now.w * (in->e1 + now.w * in->e2)));
+    now.zeta = zeta + ((now.d10 * xi + now.d11 * zeta) + (in->e4 + now.w * in->e3));
+    mode->xi = now.xi;
+    mode->zeta = now.zeta;
+    return outputs_m(&now);
 }
 
 /* Stage speeds of the next step, torque-free, from the sums: v, v + v'/2, v + v'/2 + v''/4, v + v' + v''/2 + v'''/4. */
@@ -66,15 +75,10 @@ KELLY_INLINE void finish_m(kelly_lane *on, kelly_mode *mode, unsigned modes, con
 {
     const inputs_m in = inputs_of_m(on, at, al, be);
     const kelly_mode *const end = mode + modes;
-    sums_m sum = { .x = vsplat(0) };
+    sums_m sum = move_m(mode, &in);
 
-    for (; mode < end; mode++) {
-        kelly_mode now = *mode;
-
-        move_m(&now, &in);
-        mode->xi = now.xi;
-        mode->zeta = now.zeta;
-        add_outputs_m(&sum, &now);
+    while (++mode < end) {
+        add_m(&sum, move_m(mode, &in));
     }
     stage_speeds_m(on, &sum, al, be);
 }

@@ -31,22 +31,32 @@ KELLY_INLINE kelly_slow_mode fetch(kelly_slow_mode **from)
 }
 #endif
 
-KELLY_INLINE void add_outputs_s(sums_s *sum, const kelly_slow_mode *mode)
+KELLY_INLINE sums_s outputs_s(const kelly_slow_mode *mode)
 {
     const vreal v = mode->g * mode->v, u = mode->m * mode->x;
 
-    sum->v = sum->v + v;
-    sum->wv = sum->wv + mode->w4 * v;
-    sum->u = sum->u + u;
-    sum->wu = sum->wu + mode->w4 * u;
+    return (sums_s){ .v = v, .wv = mode->w4 * v, .u = u, .wu = mode->w4 * u };
 }
 
-KELLY_INLINE void move_s(kelly_slow_mode *mode, const inputs_s *in)
+KELLY_INLINE void add_s(sums_s *sum, sums_s one)
 {
-    const vreal v = mode->v;
+    sum->v = sum->v + one.v;
+    sum->wv = sum->wv + one.wv;
+    sum->u = sum->u + one.u;
+    sum->wu = sum->wu + one.wu;
+}
 
-    mode->v = v + ((mode->t * v - mode->d * (mode->x + in->f)) + in->p);
-    mode->x = mode->x + ((v + mode->v) + in->e);
+/* Move the mode that *mode points to, and the pointer on; returns its outputs. */
+KELLY_INLINE sums_s next_s(kelly_slow_mode **mode, const inputs_s *in)
+{
+    kelly_slow_mode now = fetch(mode);
+    const vreal v = now.v;
+
+    now.v = v + ((now.t * v - now.d * (now.x + in->f)) + in->p);
+    now.x = now.x + ((v + now.v) + in->e);
+    (*mode)[-1].v = now.v;
+    (*mode)[-1].x = now.x;
+    return outputs_s(&now);
 }
 
 /* Stage speeds of the next step, torque-free: v, v + v'/2, v + v'/2 + v''/4, v + v' + v''/2 + v'''/4. */
@@ -68,7 +78,7 @@ KELLY_INLINE inputs_s inputs_of_s(const kelly_lane *on, const stages *at, real a
     const vreal t23 = at->t2 + at->t3, sum = on->t1 + t23;
     inputs_s in;
 
-    in.p = ((on->t1 + at->t4) + (t23 + t23)) - al * sum;
+    in.p = (R(1.0) - al) * sum + (t23 + at->t4);
     in.e = on->t1 - at->t4;
     in.f = (on->t1 + at->t2) + (be + be) * sum;
     return in;
@@ -79,15 +89,10 @@ KELLY_INLINE void finish_s(kelly_lane *on, kelly_slow_mode *mode, unsigned modes
 {
     const inputs_s in = inputs_of_s(on, at, al, be);
     const kelly_slow_mode *const end = mode + modes;
-    sums_s sum = { .v = vsplat(0) };
+    sums_s sum = next_s(&mode, &in);
 
     while (mode < end) {
-        kelly_slow_mode now = fetch(&mode);
-
-        move_s(&now, &in);
-        mode[-1].v = now.v;
-        mode[-1].x = now.x;
-        add_outputs_s(&sum, &now);
+        add_s(&sum, next_s(&mode, &in));
     }
     stage_speeds_s(on, &sum, al, be);
 }

@@ -61,8 +61,9 @@ typedef struct {
 
 /* What one vector of lanes needs beside its modes. */
 typedef struct {
-    vreal w0, a1, a2;            /* a1: half of alpha_1 */
-    vreal muf_mean, muf_swing;   /* 2 mu f = min(muf_mean + muf_swing sin, 0); doubled as bitrock.h likes it */
+    vreal w0;
+    vreal ratio, inverse;        /* a1 / (2 a2), 1 / a2 */
+    vreal muf_mean, muf_swing;   /* 2 mu f = min(muf_mean + muf_swing sin, 0): doubled for kelly_bit_torque_folded */
     vreal wave_k, wave_half;     /* 4 sin^2(w0 h/2), 1 / (2 cos(w0 h/2)) */
     vreal g1, g2, g3;            /* torque to stage speed: (h/2) sum g, -(h/4) sum g c, (h/4) sum g (c^2 - w) */
     vreal twice_g1, twice_g2;

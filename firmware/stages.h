@@ -13,7 +13,7 @@ typedef struct {
 /* Torque at the present tick: the first stage of the step to come. */
 KELLY_INLINE void first_torque(kelly_lane *on)
 {
-    on->t1 = kelly_bit_torque_folded(on->y1, on->muf, on->a1, on->a2);
+    on->t1 = kelly_bit_torque_folded(on->y1, on->muf, on->ratio, on->inverse);
 }
 
 /* Second stage, at half a step; takes the weight to the next tick. */
@@ -25,19 +25,19 @@ KELLY_INLINE void second_torque(kelly_lane *on, stages *at)
     on->muf = vmin(on->muf_mean + wave, vsplat(0));
     on->dwave = on->dwave - on->wave_k * wave;
     on->wave = wave;
-    at->t2 = kelly_bit_torque_folded(on->y2 + on->g1 * on->t1, at->half, on->a1, on->a2);
+    at->t2 = kelly_bit_torque_folded(on->y2 + on->g1 * on->t1, at->half, on->ratio, on->inverse);
 }
 
 KELLY_INLINE void third_torque(const kelly_lane *on, stages *at)
 {
-    at->t3 = kelly_bit_torque_folded((on->y3 + on->g2 * on->t1) + on->g1 * at->t2, at->half, on->a1, on->a2);
+    at->t3 = kelly_bit_torque_folded((on->y3 + on->g2 * on->t1) + on->g1 * at->t2, at->half, on->ratio, on->inverse);
 }
 
 KELLY_INLINE void fourth_torque(const kelly_lane *on, stages *at)
 {
     const vreal y = (on->y4 + on->g3 * on->t1) + on->twice_g2 * at->t2;
 
-    at->t4 = kelly_bit_torque_folded(y + on->twice_g1 * at->t3, on->muf, on->a1, on->a2);
+    at->t4 = kelly_bit_torque_folded(y + on->twice_g1 * at->t3, on->muf, on->ratio, on->inverse);
 }
 
 /* The weight of a lane from its exact integer phase, and the torque that follows from it. */
