@@ -20,4 +20,14 @@ static inline vreal kelly_bit_torque(vreal w, vreal muf, vreal a1, vreal a2)
     return (muf * (p * s + (a1 * w) * q)) / (q * s);
 }
 
+/* The same from 2 mu min(f, 0), a1 / (2 a2) and 1 / a2: with the factors of 2 and a2 taken out, two operations less. */
+KELLY_INLINE vreal kelly_bit_torque_folded(vreal w, vreal twice_muf, vreal ratio, vreal inverse)
+{
+    const vreal s = w * w + inverse;
+    vreal a, b, q;
+
+    kelly_tanh_parts(w, &a, &b, &q);
+    return (twice_muf * ((a * b) * s + (ratio * w) * q)) / (q * s);
+}
+
 #endif

@@ -1,14 +1,18 @@
 /* block.c - set up a block, put realisations into its lanes, read them. The stepping is in integrator.c. */
 #include "form_m.h"
+#include "form_s.h"
 
 #define F_OFFSET R(0.01)          /* constant part of f_a / f0, eq. (F) */
 #define QUARTER_TURN ((uint64_t)1 << 62)
 #define SANE R(1e30)              /* states, which grow as (d/b) / h^2, and finite in float with room for one more step */
+#define SMALL_A2 R(1e-18)         /* below it a2 w^2 is nothing beside 1, and 1 / a2 might overflow */
 #define SANE_SPEED R(1e6)         /* [rad/s], of the bit */
 
-/* In float the terms be w^2 T1/24 of xi and be w^2 X/4 of y4 lie below half an ulp of what they are added to as long as
- * be w^2 < 24 * 2^-24; the paper's ten modes at 1 ms have 7e-7. Then they are left out. Never in double. */
-#define NEGLIGIBLE R(1.4e-6)
+/* Form S leaves out terms in be w^2, w^2 and al^2, which lie below half an ulp of what they would be added to up to these
+ * bounds; the paper's ten modes at 1 ms have be w^2 = 7e-7, w^2 = 9e-6, al^2 = 1e-8. Never in double. */
+#define SLOW_BEWW R(1.4e-6)
+#define SLOW_WW R(1.2e-5)
+#define SLOW_ALAL R(1e-7)
 
 static real larger(real a, real b)
 {
@@ -22,12 +26,15 @@ void kelly_block_clear(kelly_block *block, const kelly_table *table, const kelly
     const real w = h * h * larger(kelly_poly(top, table->degree, R(1.0)), kelly_poly(top, table->degree, R(-1.0)));
 
     *block = (kelly_block){ 0 };   /* a lane without a realisation stands still: no torque, never a NaN */
+    for (unsigned lane = 0; lane < KELLY_LANES; lane++) {
+        LANE(block->lane[lane / KELLY_WIDTH].inverse, lane % KELLY_WIDTH) = R(1.0);
+    }
     block->h = h;
     block->al = table->alpha * h;
     block->be = table->beta / h;
     block->modes = run->torsional;
     block->vectors = (lanes + KELLY_WIDTH - 1) / KELLY_WIDTH;
-    block->full = sizeof(real) > sizeof(float) || block->be * w * w >= NEGLIGIBLE;
+    block->full = sizeof(real) > sizeof(float) || !(block->be * w * w < SLOW_BEWW && w * w < SLOW_WW && block->al * block->al < SLOW_ALAL);
 }
 
 /* Coefficients of one mode of one lane: D by Horner's rule in A, outputs with g h/6 in them. */
@@ -59,16 +66,61 @@ static void load_mode(kelly_mode *mode, unsigned l, const kelly_block *block, re
     LANE(mode->m3, l) = z1;
 }
 
-/* Start of one mode: Q = 0 at tick 0, so Q against the drag equilibrium is al w0 (d/b) / w; Q' = -(d/b) w0 from rest, 0 if turning. */
-static void start_mode(kelly_mode *mode, unsigned l, const kelly_block *block, real w, real d_over_b, real w0, int rotating)
-{
-    const real scale = R(6.0) / block->h, c = block->al + block->be * w;
-    const real speed = rotating ? 0 : -(d_over_b * w0);
-    const real q = block->al * w0 * d_over_b / w;
-    const real xi = scale * (speed + c * q);
+/* The numbers of one mode that lead to form S, as distances from 1, -1/2 and 1, which are small: so the coefficients are right to
+ * the last digit or two. p and r: D = p A + r w I;  w e = det D;  p - c r = 1 - w/6 + c w/24. */
+typedef struct {
+    real c, p, r, e;
+} slow_numbers;
 
-    LANE(mode->xi, l) = xi;
-    LANE(mode->zeta, l) = scale * q - block->be * xi;
+static slow_numbers slow_of(const kelly_block *block, real w)
+{
+    const real c = block->al + block->be * w, cc = c * c - w;
+    const real n = c * w / R(24.0) - w / R(6.0);
+    slow_numbers k = { .c = c };
+
+    k.p = cc / R(6.0) + c * (w - cc) / R(24.0) - R(0.5) * c;
+    k.r = c / R(6.0) - cc / R(24.0);
+    k.e = (k.p + n) + (k.p * n + w * ((k.r - R(0.5)) * (k.r - R(0.5))));
+    return k;
+}
+
+static void load_slow(kelly_slow_mode *mode, unsigned l, const kelly_block *block, real w, real g)
+{
+    const slow_numbers k = slow_of(block, w);
+    const real gk = g * block->h / R(6.0), gw = R(0.25) * gk * w;
+
+    LANE(mode->t, l) = (w * (2 * k.r + R(0.5) * k.e) - k.c * k.p) - (k.c + R(0.5) * w);
+    LANE(mode->d, l) = R(0.5) * (w + w * k.e);
+    LANE(mode->g, l) = gk;
+    LANE(mode->m, l) = gw + gw * ((k.e - k.p) / (R(1.0) + k.p));
+    LANE(mode->w4, l) = R(0.25) * w;
+}
+
+/* State of one mode from Q/h and Q' against the drag equilibrium. */
+static void put_state(kelly_block *block, unsigned lane, unsigned i, real w, real over_h, real speed)
+{
+    const unsigned v = lane / KELLY_WIDTH, l = lane % KELLY_WIDTH;
+    const real scale = R(6.0) / block->h;
+
+    if (block->full) {
+        kelly_mode *const mode = &block->mode[v][i];
+        const real xi = scale * (speed + (block->al + block->be * w) * over_h);
+
+        LANE(mode->xi, l) = xi;
+        LANE(mode->zeta, l) = scale * over_h - block->be * xi;
+    } else {
+        kelly_slow_mode *const mode = &block->slow[v][i];
+        const slow_numbers k = slow_of(block, w);
+
+        LANE(mode->v, l) = scale * speed;
+        LANE(mode->x, l) = scale * ((2 * (over_h + k.p * over_h) + (k.e + 2 * k.r) * speed) / (R(1.0) + k.e));
+    }
+}
+
+/* Start of one mode: Q = 0 at tick 0, so Q against the drag equilibrium is al w0 (d/b) / w; Q' = -(d/b) w0 from rest, 0 if turning. */
+static void start_mode(kelly_block *block, unsigned lane, unsigned i, real w, real d_over_b, real w0, int rotating)
+{
+    put_state(block, lane, i, w, block->al * w0 * d_over_b / w, rotating ? 0 : -(d_over_b * w0));
 }
 
 static void load_modes(kelly_block *block, unsigned lane, const kelly_modes *modes, const kelly_draw *draw, int rotating)
@@ -81,8 +133,12 @@ static void load_modes(kelly_block *block, unsigned lane, const kelly_modes *mod
     for (unsigned i = 0; i < modes->count; i++) {
         const real w = h * h * modes->w2[i], g = modes->b[i] * modes->b[i], c = block->al + block->be * w;
 
-        load_mode(&block->mode[v][i], l, block, w, g);
-        start_mode(&block->mode[v][i], l, block, w, modes->d[i] / modes->b[i], draw->w0, rotating);
+        if (block->full) {
+            load_mode(&block->mode[v][i], l, block, w, g);
+        } else {
+            load_slow(&block->slow[v][i], l, block, w, g);
+        }
+        start_mode(block, lane, i, w, modes->d[i] / modes->b[i], draw->w0, rotating);
         sum_g += g;
         sum_gc += g * c;
         sum_gcc += g * (c * c - w);
@@ -90,6 +146,28 @@ static void load_modes(kelly_block *block, unsigned lane, const kelly_modes *mod
     LANE(out->g1, l) = R(0.5) * h * sum_g;
     LANE(out->g2, l) = R(-0.25) * h * sum_gc;
     LANE(out->g3, l) = R(0.25) * h * sum_gcc;
+    LANE(out->twice_g1, l) = h * sum_g;
+    LANE(out->twice_g2, l) = R(-0.5) * h * sum_gc;
+}
+
+/* Stage speeds of the first step, of the whole vector. */
+static void first_speeds(kelly_block *block, unsigned v)
+{
+    if (block->full) {
+        sums_m sum = outputs_m(&block->mode[v][0]);
+
+        for (unsigned i = 1; i < block->modes; i++) {
+            add_m(&sum, outputs_m(&block->mode[v][i]));
+        }
+        stage_speeds_m(&block->lane[v], &sum, block->al, block->be);
+    } else {
+        sums_s sum = outputs_s(&block->slow[v][0]);
+
+        for (unsigned i = 1; i < block->modes; i++) {
+            add_s(&sum, outputs_s(&block->slow[v][i]));
+        }
+        stage_speeds_s(&block->lane[v], &sum, block->al, block->be);
+    }
 }
 
 static void watch(kelly_lane *lane)
@@ -104,22 +182,19 @@ void kelly_block_load(kelly_block *block, unsigned lane, const kelly_case *run,
     const unsigned l = lane % KELLY_WIDTH;
     const uint64_t step = kelly_phase_step(draw->w0, run->step_ns);
     const real half_sine = kelly_sin_turn(step / 2);
+    const real a2 = larger(draw->a2, SMALL_A2);
     kelly_lane *const out = &block->lane[lane / KELLY_WIDTH];
-    sums sum = { .x = vsplat(0) };
 
     block->phase_step[lane] = step;
     LANE(out->w0, l) = draw->w0;
-    LANE(out->a1, l) = draw->a1;
-    LANE(out->a2, l) = draw->a2;
-    LANE(out->muf_mean, l) = draw->mu * (F_OFFSET * run->f0 - draw->fc);
-    LANE(out->muf_swing, l) = draw->mu * run->f0;
-    LANE(out->sine_k, l) = 4 * half_sine * half_sine;
-    LANE(out->sine_half, l) = R(0.5) / kelly_sin_turn(step / 2 + QUARTER_TURN);
+    LANE(out->ratio, l) = draw->a1 / (2 * a2);
+    LANE(out->inverse, l) = R(1.0) / a2;
+    LANE(out->muf_mean, l) = 2 * draw->mu * (F_OFFSET * run->f0 - draw->fc);
+    LANE(out->muf_swing, l) = 2 * draw->mu * run->f0;
+    LANE(out->wave_k, l) = 4 * half_sine * half_sine;
+    LANE(out->wave_half, l) = R(0.5) / kelly_sin_turn(step / 2 + QUARTER_TURN);
     load_modes(block, lane, modes, draw, run->rotating);
-    for (unsigned i = 0; i < block->modes; i++) {
-        add_outputs(&sum, &block->mode[lane / KELLY_WIDTH][i], 1);
-    }
-    stage_speeds(out, &sum, block->al, block->be, 1);
+    first_speeds(block, lane / KELLY_WIDTH);
     kelly_block_resync(block, lane);
     watch(out);
 }
@@ -138,7 +213,7 @@ real kelly_block_speed(const kelly_block *block, unsigned lane)
 
 real kelly_block_sine(const kelly_block *block, unsigned lane)
 {
-    return LANE(block->lane[lane / KELLY_WIDTH].sine, lane % KELLY_WIDTH);
+    return kelly_sin_turn(block->phase_step[lane] * block->tick);
 }
 
 void kelly_block_extremes(const kelly_block *block, unsigned lane, real *lowest, real *highest)
@@ -150,13 +225,22 @@ void kelly_block_extremes(const kelly_block *block, unsigned lane, real *lowest,
 /* Q [s units of h undone] and Q' of mode i against the drag equilibrium. */
 static void scaled_state(const kelly_block *block, unsigned lane, unsigned i, real w2, real *q, real *speed)
 {
-    const kelly_mode *const mode = &block->mode[lane / KELLY_WIDTH][i];
-    const real scale = block->h / R(6.0);
-    const real xi = scale * LANE(mode->xi, lane % KELLY_WIDTH), zeta = scale * LANE(mode->zeta, lane % KELLY_WIDTH);
-    const real over_h = zeta + block->be * xi;
+    const unsigned v = lane / KELLY_WIDTH, l = lane % KELLY_WIDTH;
+    const real scale = block->h / R(6.0), w = block->h * block->h * w2;
+    real over_h;
 
+    if (block->full) {
+        const real xi = scale * LANE(block->mode[v][i].xi, l), zeta = scale * LANE(block->mode[v][i].zeta, l);
+
+        over_h = zeta + block->be * xi;
+        *speed = xi - (block->al + block->be * w) * over_h;
+    } else {
+        const slow_numbers k = slow_of(block, w);
+
+        *speed = scale * LANE(block->slow[v][i].v, l);
+        over_h = ((R(1.0) + k.e) * (scale * LANE(block->slow[v][i].x, l)) - (k.e + 2 * k.r) * *speed) / (2 * (R(1.0) + k.p));
+    }
     *q = block->h * over_h;
-    *speed = xi - (block->al + block->be * (block->h * block->h * w2)) * over_h;
 }
 
 void kelly_block_modal(const kelly_block *block, unsigned lane, const kelly_modes *modes, const kelly_table *table,
@@ -199,7 +283,9 @@ int kelly_block_sane(const kelly_block *block, unsigned lane)
                within(LANE(lane_now->y1, l), SANE_SPEED);
 
     for (unsigned i = 0; i < block->modes; i++) {
-        good = good && within(LANE(block->mode[v][i].xi, l), SANE) && within(LANE(block->mode[v][i].zeta, l), SANE);
+        const vreal *const state = block->full ? &block->mode[v][i].xi : &block->slow[v][i].v;     /* and the next one */
+
+        good = good && within(LANE(state[0], l), SANE) && within(LANE(state[1], l), SANE);
     }
     return good;
 }

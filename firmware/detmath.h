@@ -8,9 +8,10 @@
 
 #include "lanes.h"
 
-/* tanh(w) = p / q for any w, with q > 0; 14 operations (double: 22) and a clamp, the division left to the caller.
+/* tanh(w) = 2 a b / q for any w, with q = a^2 + b^2 > 0; 12 operations (double: 20) and a clamp, product and division left to
+ * the caller, who may have a better place for the factor of two.
  *
- * tanh(w) = 2 t / (1 + t^2) with t = tanh(w / 2) = a / b, so p = 2 a b and q = a^2 + b^2. A relative error e of t
+ * tanh(w) = 2 t / (1 + t^2) with t = tanh(w / 2) = a / b, so p = 2 a b. A relative error e of t
  * leaves only e / cosh(w) in tanh(w), and near saturation e^2 / 2: so t may be a short odd rational a = w A(w^2),
  * b = B(w^2), and the result cannot pass 1 but by rounding. A and B are the minimax for tanh(w), not for t
  * (gen/tanh_fit.py); B is monic. The float coefficients were then moved by a few last places, by random descent on the
@@ -25,7 +26,7 @@
 #define KELLY_TANH_END R(8.25)
 #endif
 
-KELLY_INLINE void kelly_tanh_ratio(vreal w, vreal *p, vreal *q)
+KELLY_INLINE void kelly_tanh_parts(vreal w, vreal *a_out, vreal *b_out, vreal *q)
 {
     const vreal x = vclamp(w, KELLY_TANH_END);
     const vreal u = x * x;
@@ -38,8 +39,18 @@ KELLY_INLINE void kelly_tanh_ratio(vreal w, vreal *p, vreal *q)
     const vreal a = x * ((R(0x1.edd9d8p-6) * u + R(0x1.d5ab7p+3)) * u + R(0x1.0f4ad2p+9));
     const vreal b = (u + R(0x1.df2324p+6)) * u + R(0x1.0f4ad2p+10);
 #endif
-    *p = (a + a) * b;
+    *a_out = a;
+    *b_out = b;
     *q = a * a + b * b;
+}
+
+/* The same as p / q. */
+KELLY_INLINE void kelly_tanh_ratio(vreal w, vreal *p, vreal *q)
+{
+    vreal a, b;
+
+    kelly_tanh_parts(w, &a, &b, q);
+    *p = (a + a) * b;
 }
 
 /* tanh, odd, |result| <= 1, from the same ratio: same bits but where the ratio rounds past 1. */

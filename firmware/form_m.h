@@ -1,145 +1,86 @@
-/* form_m.h - one RK4 step in form M, piece by piece: what integrator.c and block.c share. See integrator.h for the form. */
+/* form_m.h - the modes of one RK4 step in form M, piece by piece. See integrator.h for the form. */
 #ifndef KELLY_FORM_M_H
 #define KELLY_FORM_M_H
 
-#include "bitrock.h"
-#include "integrator.h"
+#include "stages.h"
 
 /* Sums over the modes of the outputs X and Z, and of w X, w Z, w w X. */
 typedef struct {
     vreal x, z, wx, wz, wwx;
-} sums;
-
-/* Second to fourth stage torque of a step, and mu f at half of it. */
-typedef struct {
-    vreal half, t2, t3, t4;
-} stages;
+} sums_m;
 
 /* The torques of one step as the modes need them: xi gains s0 + w (e1 + w e2), zeta gains e4 + w e3. */
 typedef struct {
     vreal s0, e1, e2, e3, e4;
-} inputs;
+} inputs_m;
 
-/* A mode comes into registers as one block, and the pointer goes on: one instruction on a Cortex-M with an FPU. */
-#if defined(__arm__) && defined(__ARM_FP) && !defined(KELLY_DOUBLE) && KELLY_WIDTH == 1
-KELLY_INLINE kelly_mode fetch(kelly_mode **from)
-{
-    register real w __asm("s16"), d00 __asm("s17"), d01 __asm("s18"), d10 __asm("s19"), d11 __asm("s20");
-    register real m0 __asm("s21"), m1 __asm("s22"), m2 __asm("s23"), m3 __asm("s24"), xi __asm("s25"), zeta __asm("s26");
-
-    __asm("vldmia %0!, {s16-s26}" : "+r"(*from), "=t"(w), "=t"(d00), "=t"(d01), "=t"(d10), "=t"(d11), "=t"(m0), "=t"(m1), "=t"(m2),
-          "=t"(m3), "=t"(xi), "=t"(zeta) : "m"(**from));
-    return (kelly_mode){ w, d00, d01, d10, d11, m0, m1, m2, m3, xi, zeta };
-}
-#else
-KELLY_INLINE kelly_mode fetch(kelly_mode **from)
-{
-    return *(*from)++;
-}
-#endif
-
-KELLY_INLINE void add_outputs(sums *sum, const kelly_mode *mode, int full)
+KELLY_INLINE sums_m outputs_m(const kelly_mode *mode)
 {
     const vreal z = mode->m2 * mode->xi + mode->m3 * mode->zeta;
     const vreal x = mode->m0 * mode->xi + mode->m1 * mode->zeta;
     const vreal wx = mode->w * x;
 
-    sum->x = sum->x + x;
-    sum->z = sum->z + z;
-    sum->wx = sum->wx + wx;
-    sum->wz = sum->wz + mode->w * z;
-    if (full) {
-        sum->wwx = sum->wwx + mode->w * wx;
-    }
+    return (sums_m){ .x = x, .z = z, .wx = wx, .wz = mode->w * z, .wwx = mode->w * wx };
 }
 
-/* x <- x + D x + inputs */
-KELLY_INLINE void move(kelly_mode *mode, const inputs *in, int full)
+KELLY_INLINE void add_m(sums_m *sum, sums_m one)
 {
-    const vreal xi = mode->xi, zeta = mode->zeta;
-    const vreal e = full ? in->e1 + mode->w * in->e2 : in->e1;
+    sum->x = sum->x + one.x;
+    sum->z = sum->z + one.z;
+    sum->wx = sum->wx + one.wx;
+    sum->wz = sum->wz + one.wz;
+    sum->wwx = sum->wwx + one.wwx;
+}
 
-    mode->xi = xi + ((mode->d00 * xi + mode->d01 * zeta) + (in->s0 + mode->w * e));
-    mode->zeta = zeta + ((mode->d10 * xi + mode->d11 * zeta) + (in->e4 + mode->w * in->e3));
+/* x <- x + D x + inputs; returns the outputs. */
+KELLY_INLINE sums_m move_m(kelly_mode *mode, const inputs_m *in)
+{
+    kelly_mode now = *mode;
+    const vreal xi = now.xi, zeta = now.zeta;
+
+    now.xi = xi + ((now.d00 * xi + now.d01 * zeta) + (in->s0 + now.w * (in->e1 + now.w * in->e2)));
+    now.zeta = zeta + ((now.d10 * xi + now.d11 * zeta) + (in->e4 + now.w * in->e3));
+    mode->xi = now.xi;
+    mode->zeta = now.zeta;
+    return outputs_m(&now);
 }
 
 /* Stage speeds of the next step, torque-free, from the sums: v, v + v'/2, v + v'/2 + v''/4, v + v' + v''/2 + v'''/4. */
-KELLY_INLINE void stage_speeds(kelly_lane *lane, const sums *sum, real al, real be, int full)
+KELLY_INLINE void stage_speeds_m(kelly_lane *lane, const sums_m *sum, real al, real be)
 {
     const vreal n = sum->wx + al * sum->z;                             /* -v'' */
-    const vreal third = al * n - (R(1.0) - al * be) * sum->wz;         /* v''' */
+    const vreal third = al * n - (R(1.0) - al * be) * sum->wz;         /* v''' without its term in w w X */
 
     lane->y1 = (lane->w0 + sum->x) - be * sum->z;
     lane->y2 = lane->y1 + R(0.5) * sum->z;
     lane->y3 = lane->y2 - R(0.25) * n;
-    lane->y4 = (lane->y1 + sum->z) + (R(0.25) * (full ? third + be * sum->wwx : third) - R(0.5) * n);
+    lane->y4 = (lane->y1 + sum->z) + (R(0.25) * (third + be * sum->wwx) - R(0.5) * n);
 }
 
-KELLY_INLINE inputs inputs_of(vreal t1, vreal t2, vreal t3, vreal t4, real al, real be)
+KELLY_INLINE inputs_m inputs_of_m(const kelly_lane *on, const stages *at, real al, real be)
 {
-    const vreal t23 = t2 + t3, quarter = R(0.25) * t1;
-    inputs in;
+    const vreal t23 = at->t2 + at->t3, quarter = R(0.25) * on->t1;
+    inputs_m in;
 
-    in.s0 = (t1 + t4) + (t23 + t23);
-    in.e1 = al * quarter - R(0.5) * (t1 + t2);
+    in.s0 = (on->t1 + at->t4) + (t23 + t23);
+    in.e1 = al * quarter - R(0.5) * (on->t1 + at->t2);
     in.e2 = be * quarter;
     in.e3 = (al * be - R(1.0)) * quarter;
-    in.e4 = ((t1 + t23) - be * in.s0) + al * in.e1;
+    in.e4 = ((on->t1 + t23) - be * in.s0) + al * in.e1;
     return in;
 }
 
-/* Torque at the present tick: the first stage of the step to come. */
-KELLY_INLINE void first_torque(kelly_lane *on)
+/* The modes under the four torques, and the stage speeds of the next step. */
+KELLY_INLINE void finish_m(kelly_lane *on, kelly_mode *mode, unsigned modes, const stages *at, real al, real be)
 {
-    on->t1 = kelly_bit_torque(on->y1, on->muf, on->a1, on->a2);
-}
-
-/* Second stage, at half a step; takes the weight and the sine to the next tick. */
-KELLY_INLINE void second_torque(kelly_lane *on, stages *at)
-{
-    const vreal sine = on->sine + on->dsine;
-
-    at->half = vmin(on->muf_mean + on->muf_swing * ((on->sine + sine) * on->sine_half), vsplat(0));
-    on->muf = vmin(on->muf_mean + on->muf_swing * sine, vsplat(0));
-    on->dsine = on->dsine - on->sine_k * sine;
-    on->sine = sine;
-    at->t2 = kelly_bit_torque(on->y2 + on->g1 * on->t1, at->half, on->a1, on->a2);
-}
-
-KELLY_INLINE void third_torque(const kelly_lane *on, stages *at)
-{
-    at->t3 = kelly_bit_torque((on->y3 + on->g2 * on->t1) + on->g1 * at->t2, at->half, on->a1, on->a2);
-}
-
-KELLY_INLINE void fourth_torque(const kelly_lane *on, stages *at)
-{
-    const vreal y = (on->y4 + on->g3 * on->t1) + (on->g2 + on->g2) * at->t2;
-
-    at->t4 = kelly_bit_torque(y + (on->g1 + on->g1) * at->t3, on->muf, on->a1, on->a2);
-}
-
-/* The modes under the four torques, and the stage speeds and first torque of the next step. */
-KELLY_INLINE void finish(kelly_lane *on, kelly_mode *mode, unsigned modes, const stages *at, real al, real be, int full)
-{
-    const inputs in = inputs_of(on->t1, at->t2, at->t3, at->t4, al, be);
+    const inputs_m in = inputs_of_m(on, at, al, be);
     const kelly_mode *const end = mode + modes;
-    sums sum = { .x = vsplat(0) };
+    sums_m sum = move_m(mode, &in);
 
-    while (mode < end) {
-        kelly_mode now = fetch(&mode);
-
-        move(&now, &in, full);
-        mode[-1].xi = now.xi;
-        mode[-1].zeta = now.zeta;
-        add_outputs(&sum, &now, full);
+    while (++mode < end) {
+        add_m(&sum, move_m(mode, &in));
     }
-    stage_speeds(on, &sum, al, be, full);
-    on->lowest = vmin(on->y1, on->lowest);
-    on->highest = vmax(on->y1, on->highest);
-    first_torque(on);
+    stage_speeds_m(on, &sum, al, be);
 }
-
-/* The sine of a lane from its exact integer phase, and the weight and torque that follow from it. */
-void kelly_block_resync(kelly_block *block, unsigned lane);
 
 #endif

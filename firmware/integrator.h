@@ -5,22 +5,34 @@
  *     (F)  f_bit = -fc + f0 (sin(w0 t) + 0.01)
  *
  * The modes are linear and only the scalar torque is not, so one RK4 step is an affine map of the modes and of the four
- * stage torques T1..T4, exactly; it is carried out in that form ("form M").
+ * stage torques T1..T4, exactly; it is carried out as such, in one of two bases.
  *
  *   Time unit h: w = h^2 w_i^2, al = alpha h, be = beta / h, c = al + be w, g = b_i^2.
  *   Modal scaling q_i = b_i Q: every mode is driven by T itself and weighs g in the bit speed.
  *   Drag shift: Q is measured from the drag equilibrium -alpha d_i w0 / (b_i w_i^2), where the constant term vanishes.
+ *
+ * Form M, exact for every mode: 30 operations a mode. Always in double.
  *   Basis xi = Q' + c Q/h, zeta = Q/h - be xi. Then x' = A x + (1, -be) T with A = [[-w be, -w], [1 - al be, -al]]
  *   and b, Ab, A^2 b, A^3 b = (1, -be), (0, 1), (-w, -al), (w^2 be + al w, al^2 - (1 - al be) w): polynomials in w whose
  *   scalars are common to all modes. xi and zeta are stored times 6/h.
  *   Increments: D = A + A^2/2 + A^3/6 + A^4/24 is stored, never I + D, which would lose all digits of (w_1 h)^2 = 5e-6 in float.
  *   Outputs X = g (v + be v'), Z = g v' of each mode give all four stage speeds from five sums over the modes.
  *
+ * Form S, for slow modes in float: 17 operations a mode.
+ *   In (Q', Q/h) A = [[-c, -w], [1, 0]], and by A^2 = -c A - w I the increments are D = p A + r w I and the input is b P + A b R, with
+ *   p = 1 - c/2 + (c^2 - w)/6 + (2 c w - c^3)/24, r = -1/2 + c/6 - (c^2 - w)/24, and P, R polynomials in w. Let w e = det D.
+ *   There is one x = s Q/h + (1/2 + k) Q', s = p/e, k = r/e, for which D's second row is that of the trapezoidal rule:
+ *       V <- V + t V - d (X + f) + p_in,   X <- X + (V + V') + e_in,   V = 6 Q'/h, X = 12 x/h, t = w (2 r + e/2) - c p, d = w e / 2.
+ *   To first order in w and al the inputs come out the same for every mode:
+ *       p_in = T1 + 2 (T2 + T3) + T4 - al (T1 + T2 + T3),   e_in = T1 - T4,   f = T1 + T2 + 2 be (T1 + T2 + T3).
+ *   V and the spring's w Q/h = w x/s + (c w/12) Q' give the stage speeds from four sums: over g V, m X and w times either.
+ *   What is left out lies below half an ulp of what it would be added to where block.c says that the modes are slow.
+ *
  * Stability of RK4 on the negative real axis needs h lambda <= 2.785, on the imaginary one h w <= 2.8: checked for each
  * realisation before it starts.
  *
  * Memory  sizeof(kelly_block), the caller's; for one float lane 1.1 KB. No other state anywhere.
- * Time    about 450 operations and 4 divisions a step and lane with 10 modes.
+ * Time    about 300 operations and 4 divisions a step and lane with 10 modes (double: 470).
  * Bits    do not depend on lanes, vectors, or on how a run is cut into calls of kelly_block_advance.
  */
 #ifndef KELLY_INTEGRATOR_H
@@ -32,7 +44,7 @@
 
 #define KELLY_RESYNC 2048u       /* ticks between two exact evaluations of sin(w0 t) */
 
-/* Coefficients and state of one mode; loaded in this order. */
+/* Coefficients and state of one mode in form M. */
 typedef struct {
     vreal w;
     vreal d00, d01, d10, d11;
@@ -40,14 +52,23 @@ typedef struct {
     vreal xi, zeta;
 } kelly_mode;
 
+/* The same in form S; loaded in this order. */
+typedef struct {
+    vreal t, d;                  /* of the move */
+    vreal g, m, w4;              /* outputs: g h/6, that of the spring, w / 4 */
+    vreal v, x;
+} kelly_slow_mode;
+
 /* What one vector of lanes needs beside its modes. */
 typedef struct {
-    vreal w0, a1, a2;
-    vreal muf_mean, muf_swing;   /* mu f = min(muf_mean + muf_swing sin, 0) */
-    vreal sine_k, sine_half;     /* 4 sin^2(w0 h/2), 1 / (2 cos(w0 h/2)) */
+    vreal w0;
+    vreal ratio, inverse;        /* a1 / (2 a2), 1 / a2 */
+    vreal muf_mean, muf_swing;   /* 2 mu f = min(muf_mean + muf_swing sin, 0): doubled for kelly_bit_torque_folded */
+    vreal wave_k, wave_half;     /* 4 sin^2(w0 h/2), 1 / (2 cos(w0 h/2)) */
     vreal g1, g2, g3;            /* torque to stage speed: (h/2) sum g, -(h/4) sum g c, (h/4) sum g (c^2 - w) */
-    vreal sine, dsine;           /* sin(w0 t_n) and its step to t_n+1 */
-    vreal muf;                   /* mu f at t_n */
+    vreal twice_g1, twice_g2;
+    vreal wave, dwave;           /* muf_swing sin(w0 t_n) and its step to t_n+1 */
+    vreal muf;                   /* 2 mu f at t_n */
     vreal t1;                    /* bit torque at t_n */
     vreal y1, y2, y3, y4;        /* stage speeds of the next step without its own torques; y1 is the bit speed now */
     vreal lowest, highest;       /* of the bit speed since the last kelly_block_watch */
@@ -55,12 +76,15 @@ typedef struct {
 
 typedef struct {
     kelly_lane lane[KELLY_VECTORS];
-    kelly_mode mode[KELLY_VECTORS][KELLY_MODES_MAX];
+    union {
+        kelly_mode mode[KELLY_VECTORS][KELLY_MODES_MAX];        /* form M, */
+        kelly_slow_mode slow[KELLY_VECTORS][KELLY_MODES_MAX];   /* or form S */
+    };
     uint64_t phase_step[KELLY_LANES];   /* of w0 t a tick [turns / 2^64] */
     real h, al, be;
     unsigned modes;              /* in use */
     unsigned vectors;            /* in use */
-    unsigned full;               /* nonzero: terms in w^2 are kept (see block.c) */
+    unsigned full;               /* nonzero: form M; always in double */
     uint32_t tick;
 } kelly_block;
 

@@ -20,7 +20,7 @@
  * Units    SI, angles in rad. Angular speed of the bit and the top positive while drilling; f_bit and T_bit negative.
  * Memory   none is allocated. Every struct is the caller's; fields are not to be written except those of kelly_case.
  * Threads  no mutable global: any number of callers, each with its own structs.
- * Time     one step of one realisation costs about 450 operations and 4 divisions with ten modes.
+ * Time     one step of one realisation costs about 300 operations and 4 divisions with ten modes (double: 470).
  * Bits     realisation j of seed s is the same on every machine, at every lane count, cut in any way.
  * Errors   checks are done once, by kelly_table_error and kelly_case_error; what comes after cannot fail, and a
  *          realisation that cannot be trusted carries a status and is never counted.

@@ -1,0 +1,46 @@
+/* stages.h - the four stage torques of one RK4 step: what both forms of the modes share. */
+#ifndef KELLY_STAGES_H
+#define KELLY_STAGES_H
+
+#include "bitrock.h"
+#include "integrator.h"
+
+/* The stage torques of a step; the second and third at half of it, under the weight `half`. */
+typedef struct {
+    vreal half, t2, t3, t4;
+} stages;
+
+/* Torque at the present tick: the first stage of the step to come. */
+KELLY_INLINE void first_torque(kelly_lane *on)
+{
+    on->t1 = kelly_bit_torque_folded(on->y1, on->muf, on->ratio, on->inverse);
+}
+
+/* Second stage, at half a step; takes the weight to the next tick. */
+KELLY_INLINE void second_torque(kelly_lane *on, stages *at)
+{
+    const vreal wave = on->wave + on->dwave;
+
+    at->half = vmin(on->muf_mean + (on->wave + wave) * on->wave_half, vsplat(0));
+    on->muf = vmin(on->muf_mean + wave, vsplat(0));
+    on->dwave = on->dwave - on->wave_k * wave;
+    on->wave = wave;
+    at->t2 = kelly_bit_torque_folded(on->y2 + on->g1 * on->t1, at->half, on->ratio, on->inverse);
+}
+
+KELLY_INLINE void third_torque(const kelly_lane *on, stages *at)
+{
+    at->t3 = kelly_bit_torque_folded((on->y3 + on->g2 * on->t1) + on->g1 * at->t2, at->half, on->ratio, on->inverse);
+}
+
+KELLY_INLINE void fourth_torque(const kelly_lane *on, stages *at)
+{
+    const vreal y = (on->y4 + on->g3 * on->t1) + on->twice_g2 * at->t2;
+
+    at->t4 = kelly_bit_torque_folded(y + on->twice_g1 * at->t3, on->muf, on->ratio, on->inverse);
+}
+
+/* The weight of a lane from its exact integer phase, and the torque that follows from it. */
+void kelly_block_resync(kelly_block *block, unsigned lane);
+
+#endif
