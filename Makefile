@@ -189,7 +189,6 @@ map: $(dir)/kelly                             ## the driller's map: build/figure
 	$(dir)/kelly map $(MAP) --csv $(map_files).csv --json $(map_files).json --npy $(map_files).npy
 	@$$(for p in python3 /usr/bin/python3; do $$p -c 'import matplotlib' 2>/dev/null && echo $$p && break; done) host/draw_map.py $(map_files).json $(map_files)
 
-.PHONY: drives
 drives: $(dir)/kelly                          ## stiff against soft-torque drive over speed and weight: build/figures/drives.png, .svg (two minutes)
 	@sh tests/install python3-matplotlib
 	@mkdir -p build/figures
@@ -259,4 +258,4 @@ clean:                                        ## remove build/
 help:                                         ## this list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
 
-.PHONY: FORCE all unit convergence run digest size bench readme test map figures tables install clean help
+.PHONY: FORCE all unit convergence run digest size bench readme test map drives figures tables install clean help

@@ -7,6 +7,7 @@
  *   realisation.h    one draw of the random parameters, and whether the step can be trusted with it
  *   bitrock.h        torque of the rock on the bit                                        (B)
  *   integrator.h     RK4 of torsion over lanes of realisations                            (T), (W), (F)
+ *   drive.h          the same under a soft drive, or a commanded top                      (S), (D)
  *   axial.h          axial response                                                       (A)
  *   severity.h       what counts as stick-slip
  *   ensemble.h       draw, integrate, classify a range of indices
@@ -20,7 +21,7 @@
  * Units    SI, angles in rad. Angular speed of the bit and the top positive while drilling; f_bit and T_bit negative.
  * Memory   none is allocated. Every struct is the caller's; fields are not to be written except those of kelly_case.
  * Threads  no mutable global: any number of callers, each with its own structs.
- * Time     one step of one realisation costs about 300 operations and 4 divisions with ten modes (double: 470).
+ * Time     one step of one realisation costs about 300 operations and 4 divisions with ten modes (double: 470), 850 with a top of variable speed.
  * Bits     realisation j of seed s is the same on every machine, at every lane count, cut in any way.
  * Errors   checks are done once, by kelly_table_error and kelly_case_error; what comes after cannot fail, and a
  *          realisation that cannot be trusted carries a status and is never counted.
@@ -30,6 +31,7 @@
 
 #include "axial.h"
 #include "bitrock.h"
+#include "drive.h"
 #include "ensemble.h"
 #include "envelope.h"
 #include "integrator.h"

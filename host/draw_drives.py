@@ -25,7 +25,7 @@ SAME = ("rpm", "wob_kN", "f0_kN", "model", "seed", "first", "samples")
 def panel(axes, first, second, start, title):
     rpm, wob = np.array(first["rpm"]), np.array(first["wob_kN"])
     p, q = grid(first, start, "probability"), grid(second, start, "probability")
-    shade = axes.contourf(rpm, wob, 100 * (p - q), levels=np.arange(-50, 51, 5), cmap="PuOr_r", extend="both")
+    shade = axes.contourf(rpm, wob, 100 * (p - q), levels=np.arange(-52.5, 55, 5), cmap="PuOr_r", extend="both")
     for value, colour, style in ((p, "black", "solid"), (q, BLUE, "dashed")):
         if np.nanmin(value) < 0.5 < np.nanmax(value):
             axes.contour(rpm, wob, value, levels=[0.5], colors=colour, linestyles=style, linewidths=1.4)
@@ -47,12 +47,13 @@ def tell(first, second, start):
 def draw(first, second):
     plt.rcParams.update(STYLE)
     figure, both = plt.subplots(1, 2, figsize=(7.1, 4.3), sharey=True)
-    figure.subplots_adjust(left=0.075, right=0.885, bottom=0.2, top=0.815, wspace=0.085)
+    figure.subplots_adjust(left=0.075, right=0.87, bottom=0.2, top=0.815, wspace=0.085)
     for axes, (start, title, _) in zip(both, PANELS):
         shade = panel(axes, first, second, start, title)
     both[0].set_ylabel("weight on bit [kN]")
-    bar = figure.colorbar(shade, cax=figure.add_axes([0.905, 0.2, 0.02, 0.615]))
-    bar.set_label("fall of P(stick-slip) [percentage points]", labelpad=1)
+    bar = figure.colorbar(shade, cax=figure.add_axes([0.89, 0.2, 0.02, 0.615]))
+    bar.set_ticks(range(-50, 51, 10))
+    bar.set_label("fall of P(stick-slip) [percentage points]", labelpad=3)
     case = first["case"]
     figure.suptitle("What another top drive changes", y=0.985, fontsize=11)
     figure.text(0.5, 0.89, f"string {first['model']}, \u03bc = {case['mu']:g}; {first['samples']} realisations a cell, the same under both drives",
