@@ -90,9 +90,10 @@ machine := $(shell $(CC) -dumpmachine)
 dir := build/host$(real_suffix)$(name_suffix)
 
 # Flags in a file of their own: another CC or CFLAGS rebuilds.
+all_flags = $(CC) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(required) $(real_flag) $(in_order) $(foreach e,$(engines),$($(e)_flags))
 $(dir)/flags: FORCE
-	@mkdir -p $(@D); [ "$$(cat $@ 2>/dev/null)" = '$(CC) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(required) $(real_flag)' ] || \
-	 echo '$(CC) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(required) $(real_flag)' > $@
+	@mkdir -p $(@D); [ "$$(cat $@ 2>/dev/null)" = '$(all_flags)' ] || \
+	 echo '$(all_flags)' > $@
 FORCE:
 
 kernel := $(patsubst firmware/%.c,%,$(wildcard firmware/*.c firmware/link/*.c))
