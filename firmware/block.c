@@ -55,15 +55,15 @@ static void load_mode(kelly_mode *mode, unsigned l, const kelly_block *block, re
         d10 = n10;
         d11 = n11;
     }
-    LANE(mode->w, l) = w;
+    LANE(mode->w4, l) = R(0.25) * w;
     LANE(mode->d00, l) = d00;
     LANE(mode->d01, l) = d01;
     LANE(mode->d10, l) = d10;
     LANE(mode->d11, l) = d11;
     LANE(mode->m0, l) = gk * (R(1.0) - c * be) + be * z0;
     LANE(mode->m1, l) = be * z1 - gk * c;
-    LANE(mode->m2, l) = z0;
-    LANE(mode->m3, l) = z1;
+    LANE(mode->m2, l) = R(0.5) * z0;
+    LANE(mode->m3, l) = R(0.5) * z1;
 }
 
 /* The numbers of one mode that lead to form S, as distances from 1, -1/2 and 1, which are small: so the coefficients are right to

@@ -4,12 +4,12 @@
 
 #include "stages.h"
 
-/* Sums over the modes of the outputs X and Z, and of w X, w Z, w w X. */
+/* Sums over the modes of the outputs X and Z/2, of w X/4 and w Z/8, and of w w X/16: powers of two that the stage speeds want. */
 typedef struct {
     vreal x, z, wx, wz, wwx;
 } sums_m;
 
-/* The torques of one step as the modes need them: xi gains s0 + w (e1 + w e2), zeta gains e4 + w e3. */
+/* The torques of one step as the modes need them: xi gains s0 + w/4 (e1 + w/4 e2), zeta gains e4 + w/4 e3. */
 typedef struct {
     vreal s0, e1, e2, e3, e4;
 } inputs_m;
@@ -18,9 +18,9 @@ KELLY_INLINE sums_m outputs_m(const kelly_mode *mode)
 {
     const vreal z = mode->m2 * mode->xi + mode->m3 * mode->zeta;
     const vreal x = mode->m0 * mode->xi + mode->m1 * mode->zeta;
-    const vreal wx = mode->w * x;
+    const vreal wx = mode->w4 * x;
 
-    return (sums_m){ .x = x, .z = z, .wx = wx, .wz = mode->w * z, .wwx = mode->w * wx };
+    return (sums_m){ .x = x, .z = z, .wx = wx, .wz = mode->w4 * z, .wwx = mode->w4 * wx };
 }
 
 KELLY_INLINE void add_m(sums_m *sum, sums_m one)
@@ -38,8 +38,8 @@ KELLY_INLINE sums_m move_m(kelly_mode *mode, const inputs_m *in)
     kelly_mode now = *mode;
     const vreal xi = now.xi, zeta = now.zeta;
 
-    now.xi = xi + ((now.d00 * xi + now.d01 * zeta) + (in->s0 + now.w * (in->e1 + now.w * in->e2)));
-    now.zeta = zeta + ((now.d10 * xi + now.d11 * zeta) + (in->e4 + now.w * in->e3));
+    now.xi = xi + ((now.d00 * xi + now.d01 * zeta) + (in->s0 + now.w4 * (in->e1 + now.w4 * in->e2)));
+    now.zeta = zeta + ((now.d10 * xi + now.d11 * zeta) + (in->e4 + now.w4 * in->e3));
     mode->xi = now.xi;
     mode->zeta = now.zeta;
     return outputs_m(&now);
@@ -48,25 +48,25 @@ KELLY_INLINE sums_m move_m(kelly_mode *mode, const inputs_m *in)
 /* Stage speeds of the next step, torque-free, from the sums: v, v + v'/2, v + v'/2 + v''/4, v + v' + v''/2 + v'''/4. */
 KELLY_INLINE void stage_speeds_m(kelly_lane *lane, const sums_m *sum, real al, real be)
 {
-    const vreal n = sum->wx + al * sum->z;                             /* -v'' */
-    const vreal third = al * n - (R(1.0) - al * be) * sum->wz;         /* v''' without its term in w w X */
+    const real b4 = R(4.0) * be, wz = R(2.0) * (al * be - R(1.0)), two = R(2.0) - al;
+    const vreal n = sum->wx + R(0.5) * al * sum->z;                    /* -v'' / 4 */
 
-    lane->y1 = (lane->w0 + sum->x) - be * sum->z;
-    lane->y2 = lane->y1 + R(0.5) * sum->z;
-    lane->y3 = lane->y2 - R(0.25) * n;
-    lane->y4 = (lane->y1 + sum->z) + (R(0.25) * (third + be * sum->wwx) - R(0.5) * n);
+    lane->y1 = (lane->w0 + sum->x) - R(2.0) * be * sum->z;
+    lane->y2 = lane->y1 + sum->z;
+    lane->y3 = lane->y2 - n;
+    lane->y4 = (lane->y2 + sum->z) + ((b4 * sum->wwx + wz * sum->wz) - two * n);
 }
 
 KELLY_INLINE inputs_m inputs_of_m(const kelly_lane *on, const stages *at, real al, real be)
 {
-    const vreal t23 = at->t2 + at->t3, quarter = R(0.25) * on->t1;
+    const vreal t12 = on->t1 + at->t2, t23 = at->t2 + at->t3, sum = on->t1 + t23;
     inputs_m in;
 
-    in.s0 = (on->t1 + at->t4) + (t23 + t23);
-    in.e1 = al * quarter - R(0.5) * (on->t1 + at->t2);
-    in.e2 = be * quarter;
-    in.e3 = (al * be - R(1.0)) * quarter;
-    in.e4 = ((on->t1 + t23) - be * in.s0) + al * in.e1;
+    in.s0 = sum + (t23 + at->t4);
+    in.e1 = al * on->t1 - (t12 + t12);
+    in.e2 = R(4.0) * be * on->t1;
+    in.e3 = (al * be - R(1.0)) * on->t1;
+    in.e4 = (sum - be * in.s0) + R(0.25) * al * in.e1;
     return in;
 }
 

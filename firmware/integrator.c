@@ -18,38 +18,73 @@ KELLY_INLINE void watch(kelly_lane *on)
     on->highest = vmax(on->y1, on->highest);
 }
 
-/* Advance `vectors` vectors, a compile-time constant, by `ticks` steps, without looking at the exact phase.
- * One torque is a chain of some 60 cycles: stage by stage over all vectors, so that chains stand side by side in the
- * instruction stream and hide each other. */
-KELLY_INLINE void steps(kelly_block *block, uint32_t ticks, const unsigned vectors, const int slow)
+/* Everything of a step that follows the fourth torque of a vector, its first torque of the next step included. */
+KELLY_INLINE void finish(kelly_block *block, unsigned v, const stages *at, const int slow)
 {
-    const unsigned modes = block->modes;
-    const real al = block->al, be = block->be;
+    if (slow) {
+        finish_s(&block->lane[v], block->slow[v], block->modes, at, block->al, block->be);
+    } else {
+        finish_m(&block->lane[v], block->mode[v], block->modes, at, block->al, block->be);
+    }
+    watch(&block->lane[v]);
+    first_torque(&block->lane[v]);
+}
+
+/* The second, third or fourth torque of a vector. */
+KELLY_INLINE void torque(kelly_lane *on, stages *at, const unsigned stage)
+{
+    if (stage == 2) {
+        second_torque(on, at);
+    } else if (stage == 3) {
+        third_torque(on, at);
+    } else {
+        fourth_torque(on, at);
+    }
+}
+
+/* Advance a few vectors, a compile-time constant, by `ticks` steps, without looking at the exact phase: stage by stage. */
+KELLY_INLINE void side_by_side(kelly_block *block, uint32_t ticks, const unsigned vectors, const int slow)
+{
+    stages at[KELLY_VECTORS];
 
     for (; ticks > 0; ticks--) {
-        stages at[KELLY_VECTORS];
-
         UNROLL
-        for (unsigned v = 0; v < vectors; v++) {
-            second_torque(&block->lane[v], &at[v]);
-        }
-        UNROLL
-        for (unsigned v = 0; v < vectors; v++) {
-            third_torque(&block->lane[v], &at[v]);
-        }
-        UNROLL
-        for (unsigned v = 0; v < vectors; v++) {
-            fourth_torque(&block->lane[v], &at[v]);
-        }
-        UNROLL
-        for (unsigned v = 0; v < vectors; v++) {
-            if (slow) {
-                finish_s(&block->lane[v], block->slow[v], modes, &at[v], al, be);
-            } else {
-                finish_m(&block->lane[v], block->mode[v], modes, &at[v], al, be);
+        for (unsigned stage = 2; stage <= 4; stage++) {
+            UNROLL
+            for (unsigned v = 0; v < vectors; v++) {
+                torque(&block->lane[v], &at[v], stage);
             }
-            watch(&block->lane[v]);
-            first_torque(&block->lane[v]);
+        }
+        UNROLL
+        for (unsigned v = 0; v < vectors; v++) {
+            finish(block, v, &at[v], slow);
+        }
+    }
+}
+
+/* The same for four and more. One torque is a chain of some 60 cycles and needs the one before it, so the vectors are at different
+ * stages: while one is finished, the next three are one, two and three torques behind, and no chain waits for another. */
+KELLY_INLINE void in_turns(kelly_block *block, uint32_t ticks, const unsigned vectors, const int slow)
+{
+    stages at[KELLY_VECTORS];
+
+    UNROLL
+    for (unsigned stage = 2; stage <= 4; stage++) {
+        UNROLL
+        for (unsigned v = 0; v + stage <= 4; v++) {
+            torque(&block->lane[v % vectors], &at[v % vectors], stage);
+        }
+    }
+    for (; ticks > 0; ticks--) {
+        UNROLL
+        for (unsigned v = 0; v < vectors; v++) {
+            finish(block, v, &at[v], slow);
+            UNROLL
+            for (unsigned lag = 1; lag <= 3; lag++) {
+                if (v + lag < vectors || ticks > 1) {      /* the last step starts no other */
+                    torque(&block->lane[(v + lag) % vectors], &at[(v + lag) % vectors], 5 - lag);
+                }
+            }
         }
     }
 }
@@ -57,12 +92,13 @@ KELLY_INLINE void steps(kelly_block *block, uint32_t ticks, const unsigned vecto
 /* One loop for each number of vectors in use, so that the compiler can keep them all in flight. */
 static void advance(kelly_block *block, uint32_t ticks)
 {
+#define STEPS(n) (n < 4 ? side_by_side : in_turns)
 #define WITH(n) \
     case n: \
         if (ALWAYS_FULL || block->full) { \
-            steps(block, ticks, n, 0); \
+            STEPS(n)(block, ticks, n, 0); \
         } else { \
-            steps(block, ticks, n, 1); \
+            STEPS(n)(block, ticks, n, 1); \
         } \
         break;
     switch (block->vectors) {
@@ -92,6 +128,7 @@ static void advance(kelly_block *block, uint32_t ticks)
         break;
     }
 #undef WITH
+#undef STEPS
 }
 
 /* The weight of a lane from its exact integer phase, and the torque that follows from it. */

@@ -46,7 +46,7 @@
 
 /* Coefficients and state of one mode in form M. */
 typedef struct {
-    vreal w;
+    vreal w4;                    /* w / 4 */
     vreal d00, d01, d10, d11;
     vreal m0, m1, m2, m3;
     vreal xi, zeta;
