@@ -118,6 +118,8 @@ def in_step(target, more):
     rows = run.rows()
     speeds = [float(row["top_speed_rpm"]) for row in rows]
     yield len(rows) == report["frames"] + 1 and max(speeds) - min(speeds) > 5, f"{len(rows)} lines, the top turns at {min(speeds):.1f} .. {max(speeds):.1f} rpm"
+    early = [float(row["top_speed_rpm"]) for row in rows if 0.1 < float(row["time_s"]) < 3]
+    yield (max(early) - min(early) > 0.5) == ("soft" in more), f"while the set speed stays, only a soft drive gives way: {min(early):.2f} .. {max(early):.2f} rpm"
     trip = report["round_trip_ms"]
     print(f"  {target} {more}: {report['frames']} frames, round trip {trip['median']:.2f} ms median, {trip['p95']:.2f} 95 %, {trip['max']:.1f} worst, "
           f"{report['frames_per_s']:.0f} frames/s")
@@ -238,7 +240,8 @@ def changed_hello(**changes):
 
 def does_not_fit():
     other = link.SCHEMA ^ 0x5a5a
-    for what, changes, words in (("schema", {"schema": other}, (f"{other:08x}", f"{link.SCHEMA:08x}")), ("string", {"model": "other-12345678"}, ("other-12345678",))):
+    for what, changes, words in (("schema", {"schema": other}, (f"{other:08x}", f"{link.SCHEMA:08x}")), ("string", {"model": "other-12345678"}, ("other-12345678",)),
+                                 ("precision", {"real_bytes": 8}, ("computes in double", "REAL=double"))):
         with Between("rv32", changed_hello(**changes)) as line:
             run = Run(f"{CASE} --port {line.port}")
             yield run.one_line(1, line.port, *words), f"another {what}: {run.said}"
