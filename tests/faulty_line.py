@@ -28,6 +28,7 @@ from run_target import command, target_settings
 
 KINDS = ("flip", "lose", "double", "swap", "cut")
 CHUNK = 4096
+MOST_DEATHS = 20            # of an emulator that ends by itself: more, and its image is at fault
 
 
 class Faults:
@@ -222,7 +223,7 @@ class Line:
 
     def _board(self, events):
         alive = self._move(self.board.socket, events, self.to_board, self.to_host, self.up)
-        if not alive and self.board.process:
+        if not alive and self.board.process and self.counts["deaths"] < MOST_DEATHS:
             self._restart("deaths")
         elif not alive:
             self.stop()
