@@ -98,6 +98,19 @@ def emulator_killed():
     yield run.report()["bench"]["boards"][0]["connections"] == 2, f"it was connected twice: {run.said}"
 
 
+def hanging_board():
+    """One says nothing more, with a range in its hands: the other one takes it over at once."""
+    def hang(message, line):
+        line.frames += message[0] == "result"
+        return again(message) if line.frames < 6 else b""
+    case = f"{CASE} --samples 100"
+    with Between("rv32", hang) as line:
+        run = Run(f"{case} --port {line.port} --port qemu:mps2-an500")
+    yield from same_campaign(run, case, 100)
+    boards = run.report()["bench"]["boards"]
+    yield boards[0]["results"] == 5 and boards[1]["results"] == 95, f"five are its own: {run.said}"
+
+
 def all_boards_gone():
     with Between("rv32", watching("result")) as line:
         run = Run(f"{CASE} --samples 100000 --port {line.port} --give-up 2", wait=False)
@@ -323,6 +336,7 @@ def scenarios():
         yield f"in step {target}", in_step, (target, {"rv32": "--drive soft --sample 3", "mps2-an500": "--frame-ticks 25 --start rotating"}.get(target, ""))
         yield f"keeps time {target}", keeps_time, (target,)
     yield "emulator killed", emulator_killed, ()
+    yield "hanging board", hanging_board, ()
     yield "all boards gone", all_boards_gone, ()
     yield "another case", another_case, ()
     for kind in ("tcp", "pty"):
