@@ -6,12 +6,13 @@
 
 #define DEPTH 16
 #define PATH_MAX_LENGTH 256
+#define VALUE_MAX_LENGTH 4096     /* an emulator's command line is one */
 
 typedef struct {
     const char *text, *at;
     json_visit visit;
     void *context;
-    char path[PATH_MAX_LENGTH], value[PATH_MAX_LENGTH];
+    char path[PATH_MAX_LENGTH], value[VALUE_MAX_LENGTH];
     struct {
         char kind;                /* '{' or '[' */
         size_t path;              /* length of the path outside */

@@ -25,10 +25,25 @@ CASE = "--duration 4 --window 2:4 --mu 0.02"
 CLOCK = "--icount shift=5,sleep=off"
 
 
+def until(condition, seconds=60):
+    """Wait for it, on a machine that may be busy."""
+    end = time.monotonic() + seconds
+    while not condition() and time.monotonic() < end:
+        time.sleep(0.05)
+
+
+def watching(name):
+    """A change that changes nothing and counts messages of this name in line.frames."""
+    def watch(message, line):
+        line.frames += message[0] == name
+        return again(message)
+    return watch
+
+
 # ---- campaigns
 
 def three_kinds_at_once():
-    samples = 160
+    samples = 480
     case = f"{CASE} --samples {samples} --seed 5"
     run = Run(case + "".join(f" --port qemu:{t}" for t in BOARDS))
     yield from same_campaign(run, case, samples)
@@ -38,6 +53,8 @@ def three_kinds_at_once():
         yield board["results"] > 0 and board["board"] == target, f"{target} took part: {board}"
         yield int(board["image_crc"], 16) == link.crc32c(flash) and board["image_bytes"] == len(flash), f"{target}: CRC of the image"
         yield board["emulator"] in run.err and board["emulator"].startswith("qemu-system-"), f"{target}: the emulator's command line is told"
+    again_from = subprocess.run([KELLY["float"], "whatif", "--from", run.csv, "--case-json", run.json, "--mu", "0.0195"], capture_output=True, text=True, check=False)
+    yield again_from.returncode == 0, f"its files are good for whatif: {again_from.stderr}"
     print("  " + ", ".join(f"{b['board']} {b['results']}" for b in boards) + f" realisations in {run.report()['seconds']:.2f} s")
 
 
@@ -81,10 +98,23 @@ def emulator_killed():
     yield run.report()["bench"]["boards"][0]["connections"] == 2, f"it was connected twice: {run.said}"
 
 
+def hanging_board():
+    """One says nothing more, with a range in its hands: the other one takes it over at once."""
+    def hang(message, line):
+        line.frames += message[0] == "result"
+        return again(message) if line.frames < 6 else b""
+    case = f"{CASE} --samples 100"
+    with Between("rv32", hang) as line:
+        run = Run(f"{case} --port {line.port} --port qemu:mps2-an500")
+    yield from same_campaign(run, case, 100)
+    boards = run.report()["bench"]["boards"]
+    yield boards[0]["results"] == 5 and boards[1]["results"] == 95, f"five are its own: {run.said}"
+
+
 def all_boards_gone():
-    with Between("rv32") as line:
+    with Between("rv32", watching("result")) as line:
         run = Run(f"{CASE} --samples 100000 --port {line.port} --give-up 2", wait=False)
-        time.sleep(1.5)
+        until(lambda: line.frames > 9)
         line.pull()
         run.wait()
     yield run.status == 1 and "no board for 2 s" in run.err.splitlines()[-1], f"no board is left: {run.said}"
@@ -95,9 +125,9 @@ def all_boards_gone():
 def other_lines(kind):
     """The same over TCP and over a terminal, where a host that ends leaves a board that answers the next one."""
     case = f"{CASE} --samples 30"
-    with Between("mps2-an500", kind=kind) as line:
+    with Between("mps2-an500", watching("result"), kind) as line:
         first = Run(f"{CASE} --samples 100000 --port {line.port}", wait=False)
-        time.sleep(1.0)
+        until(lambda: line.frames > 9)
         first.process.kill()
         first.wait()
         yield from same_campaign(Run(f"{case} --port {line.port} --image {image('mps2-an500')}"), case, 30)
@@ -118,6 +148,8 @@ def in_step(target, more):
     rows = run.rows()
     speeds = [float(row["top_speed_rpm"]) for row in rows]
     yield len(rows) == report["frames"] + 1 and max(speeds) - min(speeds) > 5, f"{len(rows)} lines, the top turns at {min(speeds):.1f} .. {max(speeds):.1f} rpm"
+    early = [float(row["top_speed_rpm"]) for row in rows if 0.1 < float(row["time_s"]) < 3]
+    yield (max(early) - min(early) > 0.5) == ("soft" in more), f"while the set speed stays, only a soft drive gives way: {min(early):.2f} .. {max(early):.2f} rpm"
     trip = report["round_trip_ms"]
     print(f"  {target} {more}: {report['frames']} frames, round trip {trip['median']:.2f} ms median, {trip['p95']:.2f} 95 %, {trip['max']:.1f} worst, "
           f"{report['frames_per_s']:.0f} frames/s")
@@ -145,9 +177,9 @@ def step_on_a_bad_line():
 
 
 def cable_pulled(mode):
-    with Between("rv32") as line:
+    with Between("rv32", watching({"lockstep": "lock_answer", "realtime": "rt_sample"}[mode])) as line:
         run = Run(f"--mode {mode} --duration 60 --port {line.port}", wait=False)
-        time.sleep(1.5)
+        until(lambda: line.frames > 4)
         line.pull(False)
         run.wait()
         yield run.one_line(1, "closed at the other end", "session is lost"), f"the cable is pulled: {run.said}"
@@ -238,7 +270,8 @@ def changed_hello(**changes):
 
 def does_not_fit():
     other = link.SCHEMA ^ 0x5a5a
-    for what, changes, words in (("schema", {"schema": other}, (f"{other:08x}", f"{link.SCHEMA:08x}")), ("string", {"model": "other-12345678"}, ("other-12345678",))):
+    for what, changes, words in (("schema", {"schema": other}, (f"{other:08x}", f"{link.SCHEMA:08x}")), ("string", {"model": "other-12345678"}, ("other-12345678",)),
+                                 ("precision", {"real_bytes": 8}, ("computes in double", "REAL=double"))):
         with Between("rv32", changed_hello(**changes)) as line:
             run = Run(f"{CASE} --port {line.port}")
             yield run.one_line(1, line.port, *words), f"another {what}: {run.said}"
@@ -303,6 +336,7 @@ def scenarios():
         yield f"in step {target}", in_step, (target, {"rv32": "--drive soft --sample 3", "mps2-an500": "--frame-ticks 25 --start rotating"}.get(target, ""))
         yield f"keeps time {target}", keeps_time, (target,)
     yield "emulator killed", emulator_killed, ()
+    yield "hanging board", hanging_board, ()
     yield "all boards gone", all_boards_gone, ()
     yield "another case", another_case, ()
     for kind in ("tcp", "pty"):
