@@ -183,6 +183,19 @@ static int same_result(const kelly_result *a, const kelly_result *b)
            a->status == b->status && a->stuck == b->stuck && a->liftoff == b->liftoff;
 }
 
+/* The first result of a board, once more here: an image that was built from other sources shows at once. */
+static void check_board(const campaign *c, const board *b, uint32_t index, const kelly_result *theirs)
+{
+    static kelly_work work;
+    kelly_result ours;
+
+    kelly_run(&kelly_string, &c->opts->run, c->opts->seed, index, 1, &ours, &work);
+    if (!same_result(&ours, theirs)) {
+        die(EXIT_FAILED, "%s: realisation %u: other bits than here; was its image built from other sources? make TARGET=%s again, and this program", b->port.text,
+            index, b->is.board);
+    }
+}
+
 /* A result into its cell; dies where two boards, or a board and this program, do not agree. */
 static void store(campaign *c, const board *b, uint32_t at, const kelly_msg_result *m)
 {
@@ -195,6 +208,9 @@ static void store(campaign *c, const board *b, uint32_t at, const kelly_msg_resu
     if (kelly_draw_key(&r.draw) != m->draw_crc) {
         die(EXIT_FAILED, "%s: realisation %u: its draw is not this program's (%08x here, %08x there)", b->port.text, m->index,
             kelly_draw_key(&r.draw), m->draw_crc);
+    }
+    if (w->results + w->doubles == 0) {
+        check_board(c, b, m->index, &r);
     }
     if (!to->done) {
         to->result = r;
