@@ -194,7 +194,10 @@ def keeps_time(target):
     runs = [Run(f"--mode realtime --duration 60 {CLOCK} --port qemu:{target}") for _ in range(2)]
     first, second = ({k: v for k, v in run.report().items() if k != "board"} if run.status == 0 else run.said for run in runs)
     yield first["steps"] == 60000 and first["late"] == 0 and 0 < first["load"] < 0.5, f"60 s at 1 kHz: {first}"
-    yield first == second and runs[0].rows() == runs[1].rows(), f"the same again: {second}"
+    measured = ("worst_late_us", "load", "load_worst")     # depend a little on where in a tick the start arrived
+    yield {k: v for k, v in first.items() if k not in measured} == {k: v for k, v in second.items() if k not in measured}, f"the same again: {second}"
+    yield runs[0].rows() == runs[1].rows(), "and every sample"
+    yield max(first["worst_late_us"], second["worst_late_us"]) < 100 and abs(first["load"] - second["load"]) < 0.01, f"lateness, load: {first}, {second}"
     yield first["samples"] == first["samples_received"] == 600 == len(runs[0].rows()), "ten samples a second"
     print(f"  {target}: 60000 steps, {first['late']} late, worst lateness {first['worst_late_us']} us, load {100 * first['load']:.1f} %")
 
