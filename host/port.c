@@ -257,14 +257,14 @@ long port_read(port *p, uint8_t *bytes, size_t room)
     if (n < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) {
         return 0;
     }
-    port_close(p, n == 0 || errno == EIO ? "the line was closed at the other end" : strerror(errno));
+    port_close(p, n == 0 || errno == EIO || errno == ECONNRESET || errno == EPIPE ? "the line was closed at the other end" : strerror(errno));
     return -1;
 }
 
-/* As many as the line takes. A write that fails for good shows as the end of the line in the next read. */
+/* As many as the line takes. A write that fails for good shows as the end of the line in the next read, and as no signal. */
 static size_t write_some(const port *p, const uint8_t *bytes, size_t count)
 {
-    const ssize_t n = count > 0 ? write(p->fd, bytes, count) : 0;
+    const ssize_t n = count == 0 ? 0 : p->kind == PORT_SERIAL ? write(p->fd, bytes, count) : send(p->fd, bytes, count, MSG_NOSIGNAL);
 
     return n > 0 ? (size_t)n : 0;
 }

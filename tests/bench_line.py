@@ -12,6 +12,7 @@ import socket
 import subprocess
 import tempfile
 import threading
+import time
 import tty
 
 from bench_board import image, link
@@ -27,7 +28,7 @@ class Between:
         near, far = socket.socketpair()
         self.board = subprocess.Popen(command(target_settings(target), image(target), icount), stdin=far, stdout=far, stderr=subprocess.DEVNULL)
         far.close()
-        self.near, self.running = near, True
+        self.near, self.running, self.asked = near, True, None
         self.thread = threading.Thread(target=self._run)
 
     def _open(self):
@@ -50,11 +51,16 @@ class Between:
         self.board.kill()
         self.board.wait()
         self.near.close()
-        self.pull(False)
+        self._pull(False)
         self.folder.cleanup()
 
     def pull(self, for_good=True):
-        """The cable: the host's end closes, and with `for_good` nobody is there any more."""
+        """The cable: the host's end closes, and with `for_good` nobody is there any more. Done by the thread that serves it."""
+        self.asked = for_good
+        while self.asked is not None and self.thread.is_alive():
+            time.sleep(0.005)
+
+    def _pull(self, for_good):
         if isinstance(self.end, socket.socket):
             self.end.close()
         elif self.end is not None:
@@ -69,6 +75,9 @@ class Between:
 
     def _run(self):
         while self.running:
+            if self.asked is not None:
+                self._pull(self.asked)
+                self.asked = None
             with selectors.DefaultSelector() as wait:
                 for end in (self.near, self.listener, self.end):
                     if end is not None:
@@ -79,7 +88,7 @@ class Between:
     def _serve(self, end):
         try:
             if end is self.listener and end is not None:
-                self.pull(False)
+                self._pull(False)
                 self.end, _ = self.listener.accept()
             elif end is self.near:
                 self._up(self.near.recv(4096))
@@ -88,7 +97,7 @@ class Between:
                 if data:
                     self.near.sendall(data)
                 else:
-                    self.pull(False)
+                    self._pull(False)
         except OSError:
             pass
 
