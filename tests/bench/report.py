@@ -8,16 +8,18 @@ import re
 import subprocess
 import sys
 
-# Operations of one step of one realisation as the source has them: integrator.c, bitrock.h, detmath.h, float, ten modes.
+# Operations of one step of one realisation as the source has them, ten modes: form_s.h and form_m.h, stages.h, bitrock.h, detmath.h.
+# The first mode begins the sums and adds nothing.
 FORM = {
-    "a mode": 26,                # move: 7 and 7; add_outputs: 12
-    "four torques": 4 * 23,      # tanh 14, Stribeck term and product 9
-    "their speeds and times": 21,
-    "inputs of the modes": 15,
-    "stage speeds": 17,
+    "float": {"ten modes": 10 * 17 - 4,      # form S: move 9, outputs 4, sums 4
+              "four torques": 4 * 21,        # tanh 12, Stribeck term and product 9
+              "their speeds and times": 19, "inputs of the modes": 9, "stage speeds": 17},
+    "double": {"ten modes": 10 * 30 - 5,     # form M: move 16, outputs 9, sums 5
+               "four torques": 4 * 29,       # tanh 20
+               "their speeds and times": 19, "inputs of the modes": 14, "stage speeds": 14},
 }
-FORM_OPERATIONS = 10 * FORM["a mode"] + sum(v for k, v in FORM.items() if k != "a mode")
-FORM_OTHERS = {"divisions": 4, "minima and maxima": 4 * 2 + 2 + 2}
+FORM_OPERATIONS = {real: sum(form.values()) for real, form in FORM.items()}
+FORM_OTHERS = {"divisions": 4, "clamps, minima and maxima": 4 + 2 + 2}
 
 MNEMONIC = re.compile(r"^v?(mul|add|sub|div|min|max|fm|fnm|mov|and|or|xor|broadcast|blend|cmp|shuf|perm|extract|insert|cvt|unpck)[a-z0-9]*?([sp][sd])?$")
 KINDS = {"mul": "mul", "add": "add", "sub": "add", "div": "div", "min": "minmax", "max": "minmax", "fm": "fma", "fnm": "fma"}
@@ -130,7 +132,7 @@ def peak_table(rows, best, counts):
         operations = count.get("mul", 0) + count.get("add", 0)
         source = "machine code"
         if not operations:
-            operations, source = FORM_OPERATIONS, "form"
+            operations, source = FORM_OPERATIONS[row["kelly"]], "form"
         everything = operations + (count["div"] + count["minmax"] if count else sum(FORM_OTHERS.values()))
         rate = operations / row["ns"]
         peak = peaks[unit][row["kelly"]]
@@ -208,9 +210,11 @@ def main():
         main_table(best, fastest),
         target_lines(best, of_peak, rows),
         peak_text,
-        "Operations: multiplies and additions of one step of one realisation, counted in the machine code as it ran; the source has 10 x %d + %d = %d, and\n"
-        "%d divisions and %d minima and maxima beside. Instructions, reads and writes: of one step of one vector."
-        % (FORM["a mode"], FORM_OPERATIONS - 10 * FORM["a mode"], FORM_OPERATIONS, FORM_OTHERS["divisions"], FORM_OTHERS["minima and maxima"]),
+        "Operations: multiplies and additions of one step of one realisation, counted in the machine code as it ran; the source has\n"
+        "10 x 17 - 4 + %d = %d in float and 10 x 30 - 5 + %d = %d in double, and %d divisions and %d clamps, minima and maxima beside. Instructions, reads and\n"
+        "writes: of one step of one vector."
+        % (FORM_OPERATIONS["float"] - FORM["float"]["ten modes"], FORM_OPERATIONS["float"], FORM_OPERATIONS["double"] - FORM["double"]["ten modes"],
+           FORM_OPERATIONS["double"], FORM_OTHERS["divisions"], FORM_OTHERS["clamps, minima and maxima"]),
         digest_text,
         growth_lines(rows),
     ])
