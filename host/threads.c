@@ -12,6 +12,7 @@
 
 #include "host.h"
 
+#define SHOW 0.25                /* [s] between two lines of progress */
 #define BATCH 16384u             /* realisations whose results are in memory at once, for a few threads */
 
 typedef struct {
@@ -22,7 +23,10 @@ typedef struct {
     uint8_t *results;
     atomic_uint next;            /* piece */
     atomic_uint done;            /* realisations */
-    atomic_uint running;         /* threads */
+    pthread_mutex_t lock;        /* of `running`, */
+    pthread_cond_t over;         /* told when it comes to 0 */
+    unsigned running;            /* threads */
+    double shown;                /* when progress was, for all batches of a run: one may be over before it is due */
 } batch;
 
 unsigned processors(void)
@@ -71,22 +75,41 @@ static void *worker(void *context)
         atomic_fetch_add(&b->done, to - from);
     }
     free(work);
-    atomic_fetch_sub(&b->running, 1u);
+    pthread_mutex_lock(&b->lock);
+    if (--b->running == 0) {
+        pthread_cond_signal(&b->over);
+    }
+    pthread_mutex_unlock(&b->lock);
     return 0;
+}
+
+/* Wait until the batch is over or progress is due. The end is told, not looked for: a nap would go on while the processors idle. */
+static void wait_a_moment(batch *b)
+{
+    struct timespec until;
+
+    clock_gettime(CLOCK_REALTIME, &until);
+    until.tv_nsec += (long)(1e9 * SHOW / 2);
+    if (until.tv_nsec >= 1000000000) {
+        until.tv_nsec -= 1000000000;
+        until.tv_sec++;
+    }
+    pthread_cond_timedwait(&b->over, &b->lock, &until);
 }
 
 static void watch_batch(batch *b, uint32_t before, double start)
 {
-    const struct timespec nap = { .tv_nsec = 20000000 };
-    double shown = now();
-
-    while (atomic_load(&b->running) > 0) {
-        nanosleep(&nap, 0);
-        if (now() - shown > 0.25) {
-            shown = now();
-            progress_show(b->opts, (uint64_t)before + atomic_load(&b->done), b->opts->samples, shown - start);
+    pthread_mutex_lock(&b->lock);
+    do {
+        if (b->running > 0) {
+            wait_a_moment(b);
         }
-    }
+        if (now() - b->shown > SHOW) {
+            b->shown = now();
+            progress_show(b->opts, (uint64_t)before + atomic_load(&b->done), b->opts->samples, b->shown - start);
+        }
+    } while (b->running > 0);
+    pthread_mutex_unlock(&b->lock);
 }
 
 /* Cut a batch: as few pieces as hold it, rounded up to a multiple of the threads, at least a vector each. */
@@ -105,7 +128,7 @@ static void run_batch(batch *b, unsigned threads, pthread_t *ids, uint32_t befor
     cut(b, threads);
     atomic_store(&b->next, 0u);
     atomic_store(&b->done, 0u);
-    atomic_store(&b->running, threads);
+    b->running = threads;
     for (unsigned t = 0; t < threads; t++) {
         if (pthread_create(&ids[t], 0, worker, b) != 0) {
             die(EXIT_FAILED, "cannot start thread %u of %u; give fewer --threads", t + 1, threads);
@@ -135,7 +158,8 @@ void run_job(const options *opts, const job *what, batch_sink sink, void *contex
     const uint32_t batch_size = BATCH * ((threads + 7u) / 8u);
     const uint32_t most = opts->samples < batch_size ? opts->samples : batch_size;
     const double start = now();
-    batch b = { .opts = opts, .what = what, .results = calloc(most, what->result_size) };
+    batch b = { .opts = opts, .what = what, .results = calloc(most, what->result_size), .lock = PTHREAD_MUTEX_INITIALIZER,
+                .over = PTHREAD_COND_INITIALIZER, .shown = start };
     pthread_t *ids = calloc(threads, sizeof(*ids));
 
     if (!b.results || !ids) {
