@@ -209,7 +209,7 @@ def check_progress():
     digest = re.search(r"digest [0-9a-f]+", done.stdout)
     silent = kelly("montecarlo", "--samples", "64")
     claim(silent.stderr == "" and digest and digest[0] in silent.stdout, "no progress in a pipe unless asked for; the result is the same")
-    brief = kelly("montecarlo", "--samples", "60000", "--duration", "4", "--threads", "1", "--progress=json")
+    brief = kelly("montecarlo", "--samples", "240000", "--duration", "4", "--threads", "1", "--progress=json")
     claim(brief.stderr.count("\n") >= 2, "progress is shown where no batch lasts as long as the time between two lines")
     claim(kelly("montecarlo", "--progress", "loud").returncode == 2, "--progress loud: exit 2")
 
