@@ -212,8 +212,8 @@ MESSAGES = [
     Message(16, "rt_sample", BOARD, _fields("""
         session u32 []
         tick u32 [steps] since the start""" + SIGHT + """
-        late u32 [steps] begun after the next tick had come
-        worst_late_us u32 [us] the latest of them
+        late u32 [steps] whose tick came while the step before was at work, or begun a whole period late
+        worst_late_us u32 [us] longest time from a tick to the start of its step
         load_permille u16 [] busy time of the last second
         state running [] who commands"""),
             "The string in real time. Seq 0."),
@@ -223,8 +223,8 @@ MESSAGES = [
     Message(18, "rt_report", BOARD, _fields("""
         session u32 []
         tick u32 [steps] since the start
-        late u32 [steps] begun after the next tick had come
-        worst_late_us u32 [us] the latest of them
+        late u32 [steps] whose tick came while the step before was at work, or begun a whole period late
+        worst_late_us u32 [us] longest time from a tick to the start of its step
         load_permille u32 [] busy time since the start
         load_worst_permille u32 [] of the longest step, of one tick
         commands u32 [] taken

@@ -25,6 +25,7 @@ USAGE = [
     *(f"{MC} --threads {value}" for value in ("0", "-1", "abc", "1025", "1.5")),
     *(f"{MC} --torsional {value}" for value in ("0", "21", "-1", "abc", "2.5", "256", "266")),
     *(f"{MC} --axial {value}" for value in ("0", "12", "-1", "abc", "258")),
+    *(f"{MC} --progress {value}" for value in ("loud", "JSON", "''")),
     *(f"{MC} --start {value}" for value in ("REST", "moving", "0", "''")),
     *(f"{command} --drive {value}" for command in (MC, SIM, "map --rpm 60 --wob 40 --samples 1 --duration 1 --window 0:1")
       for value in ("STIFF", "sof", "softer", "soft:", "soft:Z", "soft:Z=", "soft:Z=0", "soft:Z=-1", "soft:Z=nan", "soft:Z=1x", "soft:Z=1,,f=1", "soft:Z=1,Z=2",

@@ -5,7 +5,6 @@ usage: tests/check_bench.py [WORD...]      only scenarios whose name holds one o
 
 Last line `N passed, N failed`.
 """
-import concurrent.futures
 import os
 import random
 import signal
@@ -19,6 +18,7 @@ import wits
 from bench_board import ROOT, image, link, loaded
 from bench_line import Between, again
 from bench_run import KELLY, TEMPORARY, Faulty, Run, bytes_of, same_campaign
+from scenarios import run as run_scenarios
 
 BOARDS = ("stm32f405", "mps2-an500", "rv32")
 CASE = "--duration 4 --window 2:4 --mu 0.02"
@@ -351,33 +351,5 @@ def scenarios():
         yield scenario.__name__.replace("_", " "), scenario, ()
 
 
-def run_scenario(scenario):
-    name, function, arguments = scenario
-    begin, claims = time.monotonic(), []
-    try:
-        for claim in function(*arguments):
-            claims.append(claim)
-    except (KeyError, TypeError, OSError, ValueError, subprocess.SubprocessError) as why:
-        claims.append((False, f"{type(why).__name__}: {why}"))
-    return name, claims, time.monotonic() - begin
-
-
-def main():
-    words = sys.argv[1:]
-    for target in BOARDS:
-        subprocess.run(["make", "-s", f"TARGET={target}", "device"], cwd=ROOT, check=True, stdin=subprocess.DEVNULL)
-    chosen = [s for s in scenarios() if not words or any(w in s[0] for w in words)]
-    passed = failed = 0
-    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        for name, claims, seconds in pool.map(run_scenario, chosen):
-            wrong = [text for good, text in claims if not good]
-            passed, failed = passed + len(claims) - len(wrong), failed + len(wrong)
-            print(f"{name}: {len(claims) - len(wrong)} passed, {len(wrong)} failed, {seconds:.1f} s", flush=True)
-            for text in wrong:
-                print("  FAIL " + text)
-    print(f"{passed} passed, {failed} failed")
-    return failed != 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_scenarios(scenarios(), BOARDS))

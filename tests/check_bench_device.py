@@ -4,19 +4,16 @@
 hello and the image's CRC against the ELF file, campaigns against `kelly montecarlo`, lockstep of two kinds of board, real time
 on the emulator's deterministic clock, the console, WITS, and what must not disturb any of them. Last line `N passed, N failed`.
 """
-import concurrent.futures
-import os
 import random
 import re
 import struct
-import subprocess
 import sys
 import time
 
 import wits
 from bench_answers import differs, digest, montecarlo
 from bench_board import CASE, Board, Silent, as_float, image, link, loaded
-from run_target import ROOT
+from scenarios import run as run_scenarios
 
 BOARDS = ("stm32f405", "mps2-an500", "rv32", "microbit")
 CLOCK = "shift=5,sleep=off"        # 32 ns an instruction: 31 MHz
@@ -352,33 +349,5 @@ def scenarios():
         yield "console", talks_to_people, (target,)
 
 
-def run_scenario(scenario):
-    name, function, arguments = scenario
-    begin, claims = time.monotonic(), []
-    try:
-        for claim in function(*arguments):
-            claims.append(claim)
-    except (Silent, KeyError, OSError, wits.WitsError) as why:
-        claims.append((False, f"{type(why).__name__}: {why}"))
-    return f"{name} {arguments[0]}", claims, time.monotonic() - begin
-
-
-def main():
-    words = sys.argv[1:]
-    for target in BOARDS:
-        subprocess.run(["make", "-s", f"TARGET={target}", "device"], cwd=ROOT, check=True, stdin=subprocess.DEVNULL)
-    chosen = [s for s in scenarios() if not words or any(w in f"{s[0]} {s[2][0]}" for w in words)]
-    passed = failed = 0
-    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        for name, claims, seconds in pool.map(run_scenario, chosen):
-            wrong = [text for good, text in claims if not good]
-            passed, failed = passed + len(claims) - len(wrong), failed + len(wrong)
-            print(f"{name}: {len(claims) - len(wrong)} passed, {len(wrong)} failed, {seconds:.1f} s", flush=True)
-            for text in wrong:
-                print("  FAIL " + text)
-    print(f"{passed} passed, {failed} failed")
-    return failed != 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run_scenarios(((f"{name} {arguments[0]}", function, arguments) for name, function, arguments in scenarios()), BOARDS))

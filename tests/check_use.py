@@ -206,12 +206,10 @@ def check_progress():
     claim(all(line["total"] == 64 and 0 <= line["done"] <= 64 and line["left_s"] >= 0 for line in lines), "progress: within its bounds")
     claim(all(a["done"] <= b["done"] and a["elapsed_s"] <= b["elapsed_s"] for a, b in zip(lines, lines[1:])), "progress goes on")
     claim(lines and lines[-1]["done"] == 64, "progress ends with all of them")
-    digest = re.search(r"digest [0-9a-f]+", done.stdout)
-    silent = kelly("montecarlo", "--samples", "64")
+    digest, silent = re.search(r"digest [0-9a-f]+", done.stdout), kelly("montecarlo", "--samples", "64")
     claim(silent.stderr == "" and digest and digest[0] in silent.stdout, "no progress in a pipe unless asked for; the result is the same")
-    brief = kelly("montecarlo", "--samples", "240000", "--duration", "4", "--threads", "1", "--progress=json")
-    claim(brief.stderr.count("\n") >= 2, "progress is shown where no batch lasts as long as the time between two lines")
-    claim(kelly("montecarlo", "--progress", "loud").returncode == 2, "--progress loud: exit 2")
+    brief = kelly("montecarlo", "--samples", "240000", "--duration", "4", "--threads", "1", "--progress=json").stderr
+    claim(brief.count("\n") >= 2, "progress is shown where no batch lasts as long as the time between two lines")
 
 
 def check_colour():

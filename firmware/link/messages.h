@@ -310,8 +310,8 @@ typedef struct {
     real surface_torque;                 /* [N m] eq. (S) */
     real axial_speed;                    /* [m/s] of the bit */
     real top_speed;                      /* [rad/s] of the top, now */
-    uint32_t late;                       /* [steps] begun after the next tick had come */
-    uint32_t worst_late_us;              /* [us] the latest of them */
+    uint32_t late;                       /* [steps] whose tick came while the step before was at work, or begun a whole period late */
+    uint32_t worst_late_us;              /* [us] longest time from a tick to the start of its step */
     uint16_t load_permille;              /* busy time of the last second */
     uint8_t state;                       /* who commands */
 } kelly_msg_rt_sample;
@@ -331,8 +331,8 @@ int kelly_get_rt_query(const uint8_t *body, size_t size, kelly_msg_rt_query *mes
 typedef struct {
     uint32_t session;                    /* seq of plant_start */
     uint32_t tick;                       /* [steps] since the start */
-    uint32_t late;                       /* [steps] begun after the next tick had come */
-    uint32_t worst_late_us;              /* [us] the latest of them */
+    uint32_t late;                       /* [steps] whose tick came while the step before was at work, or begun a whole period late */
+    uint32_t worst_late_us;              /* [us] longest time from a tick to the start of its step */
     uint32_t load_permille;              /* busy time since the start */
     uint32_t load_worst_permille;        /* of the longest step, of one tick */
     uint32_t commands;                   /* taken */
