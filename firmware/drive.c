@@ -259,22 +259,7 @@ static void advance(kelly_driven *driven, uint32_t ticks)
         steps(driven, ticks, n); \
         break;
     switch (driven->vectors) {
-    WITH(1)
-#if KELLY_VECTORS >= 2
-    WITH(2)
-#endif
-#if KELLY_VECTORS >= 3
-    WITH(3)
-#endif
-#if KELLY_VECTORS >= 4
-    WITH(4)
-#endif
-#if KELLY_VECTORS >= 5
-    WITH(5)
-#endif
-#if KELLY_VECTORS >= 6
-    WITH(6)
-#endif
+    KELLY_EACH_COUNT(WITH)
     default:
         break;
     }

@@ -102,28 +102,7 @@ static void advance(kelly_block *block, uint32_t ticks)
         } \
         break;
     switch (block->vectors) {
-    WITH(1)
-#if KELLY_VECTORS >= 2
-    WITH(2)
-#endif
-#if KELLY_VECTORS >= 3
-    WITH(3)
-#endif
-#if KELLY_VECTORS >= 4
-    WITH(4)
-#endif
-#if KELLY_VECTORS >= 5
-    WITH(5)
-#endif
-#if KELLY_VECTORS >= 6
-    WITH(6)
-#endif
-#if KELLY_VECTORS >= 7
-    WITH(7)
-#endif
-#if KELLY_VECTORS >= 8
-    WITH(8)
-#endif
+    KELLY_EACH_COUNT(WITH)
     default:
         break;
     }

@@ -20,6 +20,19 @@
 #endif
 #define KELLY_LANES (KELLY_WIDTH * KELLY_VECTORS)
 
+/* with(1) .. with(KELLY_VECTORS): a case of a switch for each number of vectors in use, 8 at the most. */
+#define KELLY_UP_TO_1(with) with(1)
+#define KELLY_UP_TO_2(with) KELLY_UP_TO_1(with) with(2)
+#define KELLY_UP_TO_3(with) KELLY_UP_TO_2(with) with(3)
+#define KELLY_UP_TO_4(with) KELLY_UP_TO_3(with) with(4)
+#define KELLY_UP_TO_5(with) KELLY_UP_TO_4(with) with(5)
+#define KELLY_UP_TO_6(with) KELLY_UP_TO_5(with) with(6)
+#define KELLY_UP_TO_7(with) KELLY_UP_TO_6(with) with(7)
+#define KELLY_UP_TO_8(with) KELLY_UP_TO_7(with) with(8)
+#define KELLY_UP_TO(n, with) KELLY_UP_TO_##n(with)
+#define KELLY_UP_TO_ALL(n, with) KELLY_UP_TO(n, with)
+#define KELLY_EACH_COUNT(with) KELLY_UP_TO_ALL(KELLY_VECTORS, with)
+
 /* Vectors wider than the registers may only go through inlined functions: no calling convention is settled for them. */
 #define KELLY_INLINE static inline __attribute__((always_inline))
 
