@@ -230,8 +230,16 @@ endif
 # ---- the rest -----------------------------------------------------------------------------------------------------
 
 test:                                         ## every gate of `make test`; installs what it needs (Debian packages)
-	@sh tests/install $$(cat tests/packages.txt)
+	@sh tests/install $$(sed -n 's/^test: //p' tests/packages.txt)
 	@$(with_python) tests/gates.py test
+
+prove:                                        ## proof, static rules, coverage, mutation, fuzzing: what CI runs beside make test; installs what it needs
+	@sh tests/install $$(sed -nE 's/^(test|prove): //p' tests/packages.txt)
+	@$(with_python) tests/gates.py prove
+
+campaign:                                     ## what takes hours: long fuzzing, every mutant, batteries for the random numbers; tests/campaign.md
+	@sh tests/install $$(sed -E 's/^[a-z]+: //' tests/packages.txt)
+	@$(with_python) tests/gates.py campaign
 
 bench:                                        ## time against the peers in one run: terminal, build/bench.json, build/bench.md; LONG=1 to 1e6
 	@sh tests/bench/run
@@ -263,4 +271,4 @@ clean:                                        ## remove build/
 help:                                         ## this list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
 
-.PHONY: FORCE all unit convergence run digest size bench readme test map drives figures tables install clean help
+.PHONY: FORCE all unit convergence run digest size bench readme test prove campaign map drives figures tables install clean help

@@ -1,10 +1,14 @@
 #!/usr/bin/env python3
-"""gates.py - run the gates of `make test`, as many side by side as there are processors.
+"""gates.py - run the gates of a group, as many side by side as there are processors.
 
-usage: tests/gates.py test [NAME...]
+usage: tests/gates.py test|prove|campaign [NAME...]
 
 A gate is a command whose last line is `N passed, N failed`. One that ends otherwise, or with another status than its line
 says, counts as one failure and shows the end of what it printed. The last line here is the sum.
+
+What a gate has counted or measured it prints as `figure: WHAT: VALUE`; the figures of a whole group go to build/gates-GROUP.md,
+rows of the README's table. `test` is every gate of `make test`, `prove` what CI runs beside it, `campaign` what takes hours: its
+rows are kept in tests/campaign.md, with the commit that they are of.
 """
 import os
 import re
@@ -45,12 +49,14 @@ GATES = {
     "rebuilds": ("test", 300, f"{PYTHON} tests/check_rebuilds.py"),
     "accuracy-double": ("test", 300, "make -s unit REAL=double && build/host-double/accuracy"),
 }
+GROUPS = ("test", "prove", "campaign")
+FIGURE = re.compile(r"figure: ([^|:]+): ([^|]+)")
 TARGETS = sorted(f[:-3] for f in os.listdir(os.path.join(ROOT, "linker")) if f.endswith(".mk") and f != "targets.mk")
 
 
 def run_gate(name):
-    """-> (passed, failed, seconds, tail of the output)"""
-    _, timeout, command = GATES[name]
+    """-> (passed, failed, seconds, rows of figures, tail of the output)"""
+    group, timeout, command = GATES[name]
     start = time.monotonic()
     try:
         done = subprocess.run(command, shell=True, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
@@ -59,11 +65,13 @@ def run_gate(name):
     except subprocess.TimeoutExpired as error:
         output, status = (error.stdout or b"").decode(errors="replace") + f"\nno end after {timeout} s", 124
     lines = output.strip().splitlines() or [""]
+    figures = [FIGURE.fullmatch(line) for line in lines]
+    figures = [f"| {f[1]} | {f[2]} | `make {group}`, {name} |" for f in figures if f]
     found = re.fullmatch(r"(?:\w+: )?(\d+) passed, (\d+) failed", lines[-1].strip())
     seconds = time.monotonic() - start
     if not found or (int(found[2]) == 0) != (status == 0) or int(found[1]) + int(found[2]) == 0:
-        return 0, 1, seconds, lines[-25:] + [f"(ended with status {status} and no sound last line)"]
-    return int(found[1]), int(found[2]), seconds, lines[-25:-1] if int(found[2]) else []
+        return 0, 1, seconds, [], lines[-25:] + [f"(ended with status {status} and no sound last line)"]
+    return int(found[1]), int(found[2]), seconds, figures, lines[-25:-1] if int(found[2]) else []
 
 
 class Board:
@@ -72,6 +80,7 @@ class Board:
     def __init__(self, names):
         self.names, self.lock = list(names), threading.Lock()
         self.passed = self.failed = 0
+        self.figures = {}
 
     def work(self):
         while True:
@@ -79,7 +88,7 @@ class Board:
                 if not self.names:
                     return
                 name = self.names.pop(0)
-            passed, failed, seconds, tail = run_gate(name)
+            passed, failed, seconds, self.figures[name], tail = run_gate(name)
             with self.lock:
                 self.passed += passed
                 self.failed += failed
@@ -89,7 +98,7 @@ class Board:
 
 
 def main():
-    if len(sys.argv) < 2 or sys.argv[1] not in {g for g, _, _ in GATES.values()}:
+    if len(sys.argv) < 2 or sys.argv[1] not in GROUPS:
         sys.exit(__doc__)
     group, only = sys.argv[1], sys.argv[2:]
     names = [n for n in GATES if GATES[n][0] == group and (not only or n in only)]
@@ -106,6 +115,9 @@ def main():
         worker.start()
     for worker in workers:
         worker.join()
+    if not only:
+        with open(os.path.join(ROOT, "build", f"gates-{group}.md"), "w") as file:
+            file.writelines(row + "\n" for n in names for row in board.figures[n])
     print(f"{board.passed} passed, {board.failed} failed")
     return board.failed != 0
 
