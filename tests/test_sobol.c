@@ -48,6 +48,21 @@ static void add_ishigami(uint64_t seed, uint32_t rows, int scaled)
     }
 }
 
+#if CHECK_LONG
+static void show(const char *what, const kelly_estimate *found, wide truth)
+{
+    check_text(what);
+    check_number(found->value);
+    check_text(" (");
+    check_number(found->lo);
+    check_text(" .. ");
+    check_number(found->hi);
+    check_text("), analytic ");
+    check_number(truth);
+    check_put('\n');
+}
+#endif
+
 /* A twentieth, then ten times less: errors fall as the root of the rows. */
 static void finds_the_indices_of_ishigami(void)
 {
@@ -67,6 +82,10 @@ static void finds_the_indices_of_ishigami(void)
         CLOSE(total.value, total_true[i], within);
         CHECK(first.lo < first.value && first.value < first.hi && first.hi - first.lo < 6 * within);
         CHECK(total.lo < total.value && total.value < total.hi && total.hi - total.lo < 6 * within);
+#if CHECK_LONG
+        show("  Ishigami, first ", &first, first_true[i]);
+        show("  Ishigami, total ", &total, total_true[i]);
+#endif
     }
 }
 
