@@ -245,6 +245,11 @@ bench:                                        ## time against the peers in one r
 	@sh tests/bench/run
 
 ifeq ($(filter-out host,$(TARGET)),)
+study: all unit                               ## small probabilities, sensitivity, what-ifs, stopping, more than one machine: build/study.md; ten minutes
+	@sh tests/install $$(sed -n 's/^test: //p' tests/packages.txt)
+	@$(MAKE) -s all unit REAL=double
+	@$(with_python) tests/study.py build/study.md
+
 size:                                         ## flash, RAM, stack, instructions a step of every board; TARGET=NAME: one
 	@$(with_python) tests/size_table.py
 endif
@@ -271,4 +276,4 @@ clean:                                        ## remove build/
 help:                                         ## this list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
 
-.PHONY: FORCE all unit convergence run digest size bench readme test prove campaign map drives figures tables install clean help
+.PHONY: FORCE all unit convergence run digest size bench readme test prove campaign study map drives figures tables install clean help
