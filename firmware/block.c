@@ -22,7 +22,7 @@ static real larger(real a, real b)
 void kelly_block_clear(kelly_block *block, const kelly_table *table, const kelly_case *run, unsigned lanes)
 {
     const real h = kelly_step_seconds(run);
-    const real *const top = &table->w2[(run->torsional - 1u) * (table->degree + 1u)];
+    const real *const top = &table->w2[(size_t)(run->torsional - 1u) * (table->degree + 1u)];
     const real w = h * h * larger(kelly_poly(top, table->degree, R(1.0)), kelly_poly(top, table->degree, R(-1.0)));
 
     *block = (kelly_block){ 0 };   /* a lane without a realisation stands still: no torque, never a NaN */

@@ -87,9 +87,13 @@ real kelly_sin_turn(uint64_t phase)
 {
     const uint64_t quarter = (uint64_t)1 << 62;
     uint64_t x = phase & (quarter - 1);
-    if (phase & quarter) x = quarter - x;
+    if (phase & quarter) {
+        x = quarter - x;
+    }
     const int near_top = x > quarter / 2;
-    if (near_top) x = quarter - x;
+    if (near_top) {
+        x = quarter - x;
+    }
 
     real a = R(0.0);
     if (x != 0) {
@@ -124,13 +128,17 @@ uint64_t kelly_phase_step(real w, uint32_t step_ns)
     const uint64_t m = digits_of(w, &e);
     const uint64_t low = step_ns * UINT64_C(0x48313b7d);
     const uint64_t high = step_ns * UINT64_C(0xaefe2247) + (low >> 32);
-    if (m == 0 || high == 0) return 0;
+    if (m == 0 || high == 0) {
+        return 0;
+    }
 
     const int n = __builtin_clzll(high);
     const uint64_t c = (high << n) | (((uint64_t)(uint32_t)low << n) >> 32);
     const uint64_t product = high_product(m, c);
     const int shift = e + 64 - n;
-    if (shift >= 0) return shift < 64 ? product << shift : 0;
+    if (shift >= 0) {
+        return shift < 64 ? product << shift : 0;
+    }
     return shift < -64 ? 0 : ((product >> (-shift - 1)) + 1) >> 1;
 }
 
@@ -203,9 +211,15 @@ static wide exp_reduced(wide r)
 /* exp(x) = 2^k exp(r), r = x - k log 2. */
 wide kelly_exp(wide x)
 {
-    if (x != x) return x;
-    if (x < -KELLY_EXP_END) return W(0.0);
-    if (x > KELLY_EXP_END) x = KELLY_EXP_END;
+    if (x != x) {
+        return x;
+    }
+    if (x < -KELLY_EXP_END) {
+        return W(0.0);
+    }
+    if (x > KELLY_EXP_END) {
+        x = KELLY_EXP_END;
+    }
     const wide turns = x * W(1.44269504088896341);
     const int k = (int)(turns + (turns < W(0.0) ? W(-0.5) : W(0.5)));
     const wide r = (x - (wide)k * LOG2_UPPER) - (wide)k * LOG2_LOWER;
@@ -217,12 +231,19 @@ wide kelly_exp(wide x)
 float kelly_sqrt32_integer(float x)
 {
     const uint32_t bits = (bits32){.value = x}.bits;
-    if (bits == 0 || bits >= 0x7f800000u) return x;                /* 0, infinity, NaN; negative is not allowed */
+    if (bits == 0 || bits >= 0x7f800000u) {   /* 0, infinity, NaN; negative is not allowed */
+        return x;
+    }
 
     int e = (int)(bits >> 23);
     uint32_t m = bits & 0x7fffffu;                                 /* x = m 2^(e - 150) */
-    if (e > 0) m |= 0x800000u;
-    else for (e = 1; m < 0x800000u; e--) m <<= 1;                  /* subnormal: at most 23 turns */
+    if (e > 0) {
+        m |= 0x800000u;
+    } else {   /* subnormal: at most 23 turns */
+        for (e = 1; m < 0x800000u; e--) {
+            m <<= 1;
+        }
+    }
     const uint32_t even = e & 1 ? m : m << 1;                      /* e - 127 is even where e is odd */
     uint32_t digits = even << 7, root = 0, rest = 0;               /* 25 digits of even, in pairs from the top */
     for (int i = 0; i < 25; i++) {

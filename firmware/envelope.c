@@ -11,9 +11,11 @@ static const real targets[TARGETS] = { R(0.025), R(0.5), R(0.975) };
 
 void kelly_envelope_clear(kelly_envelope *envelope)
 {
-    envelope->n = envelope->used = 0;
+    envelope->n = 0;
+    envelope->used = 0;
     envelope->grain = GRAIN;
-    envelope->mean = envelope->m2 = 0;
+    envelope->mean = 0;
+    envelope->m2 = 0;
 }
 
 /* Position of each target among the ranks 0..n-1, and the standard error of its rank. */
@@ -118,11 +120,11 @@ int kelly_envelope_add(kelly_envelope *e, real x)
 real kelly_envelope_quantile(const kelly_envelope *e, real p)
 {
     const real rank = p * ((real)e->n - 1);
-    real middle, last_middle = 0;
+    real last_middle = 0;
     uint32_t first = 0;
 
     for (uint32_t i = 0; i < e->used; i++) {
-        middle = (real)first + R(0.5) * (real)(e->weight[i] - 1);
+        const real middle = (real)first + R(0.5) * (real)(e->weight[i] - 1);
         if (rank <= middle) {
             return i == 0 ? e->value[0]
                           : e->value[i - 1] + (e->value[i] - e->value[i - 1]) * ((rank - last_middle) / (middle - last_middle));

@@ -63,7 +63,8 @@ kelly_status kelly_plant_start_commanded(kelly_plant *plant, const kelly_table *
     if (status != KELLY_OK || !turns_slowly(run, top_speed)) {
         return status != KELLY_OK ? status : KELLY_STEP;
     }
-    plant->varies = plant->commanded = 1;
+    plant->varies = 1;
+    plant->commanded = 1;
     plant->target = top_speed;
     load_driven(plant, top_speed);
     return KELLY_OK;

@@ -60,7 +60,7 @@ void kelly_rng_jump(kelly_rng *rng)
         b ^= rng->s[1] & take;
         c ^= rng->s[2] & take;
         d ^= rng->s[3] & take;
-        kelly_rng_next(rng);
+        (void)kelly_rng_next(rng);
     }
     rng->s[0] = a;
     rng->s[1] = b;
@@ -86,7 +86,9 @@ float kelly_normal(kelly_rng *rng)
         const float a = signed_unit(kelly_rng_next(rng));
         const float b = signed_unit(kelly_rng_next(rng));
         const float s = a * a + b * b;
-        if (s > 0.0f && s < 1.0f) return a * kelly_sqrt32(-2.0f * kelly_log32(s) / s);
+        if (s > 0.0f && s < 1.0f) {
+            return a * kelly_sqrt32(-2.0f * kelly_log32(s) / s);
+        }
     }
     return 0.0f;
 }
@@ -96,8 +98,9 @@ float kelly_normal(kelly_rng *rng)
 static float log_remainder(float t)
 {
     const float t2 = t * t;
-    if (t2 < 0x1.0p-6f)
+    if (t2 < 0x1.0p-6f) {
         return -t2 * t2 * (0.25f - t * (0.2f - t * (0x1.555556p-3f - t * (0x1.24924ap-3f - t * 0.125f))));
+    }
     return kelly_log32(1.0f + t) - t + t2 * (0.5f - t * 0x1.555556p-2f);
 }
 
@@ -114,7 +117,9 @@ float kelly_gamma(kelly_rng *rng, float mean, float cov)
         const float t = c * kelly_normal(rng);
         const float log_u = kelly_log32(kelly_open01(kelly_rng_next(rng)));
         const float base = 1.0f + t;
-        if (base > 0.0f && log_u < 3.0f * d * log_remainder(t)) return scale * (base * base * base);
+        if (base > 0.0f && log_u < 3.0f * d * log_remainder(t)) {
+            return scale * (base * base * base);
+        }
     }
     return mean;
 }

@@ -118,7 +118,8 @@ static void soften(const kelly_table *table, const kelly_drive *drive, const kel
 /* Sum of b^2 and square of the highest frequency [rad2/s2]. */
 static void shares(const kelly_modes *modes, real *sum_g, real *top)
 {
-    *sum_g = *top = 0;
+    *sum_g = 0;
+    *top = 0;
     for (unsigned i = 0; i < modes->count; i++) {
         *sum_g = *sum_g + modes->b[i] * modes->b[i];
         *top = modes->w2[i] > *top ? modes->w2[i] : *top;

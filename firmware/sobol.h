@@ -56,7 +56,7 @@ void kelly_sobol_clear(kelly_sobol *sobol, unsigned parameters);
 void kelly_sobol_add(kelly_sobol *sobol, const wide f[]);
 
 /* Mean and variance of f, from all f(A) and f(B); zeros while there are none. */
-void kelly_sobol_moments(const kelly_sobol *sobol, wide *mean, wide *variance);
+void kelly_sobol_moments(const kelly_sobol *sobol, wide *mean, wide *spread);
 
 /* Indices of one parameter; 0 where there are none (see above). */
 int kelly_sobol_read(const kelly_sobol *sobol, unsigned parameter, kelly_estimate *first, kelly_estimate *total);

@@ -67,7 +67,7 @@ static void read_profile(bench_profile *p, const char *path)
             read_line(p, path, number, line);
         }
     }
-    fclose(file);
+    (void)fclose(file);
     if (p->count == 0) {
         die(EXIT_USAGE, "%s: holds no points; give lines of time_s,rpm,wob_kN", path);
     }

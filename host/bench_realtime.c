@@ -50,7 +50,7 @@ static void take_sample(realtime *r, const kelly_msg_rt_sample *m)
     r->last_tick = m->tick;
     if (r->out.stream) {
         sight_line(r->out.stream, case_seconds(&r->s.run, m->tick), &sight);
-        fflush(r->out.stream);
+        (void)fflush(r->out.stream);   /* outfile_close() tells */
     }
 }
 
@@ -279,7 +279,7 @@ int bench_wits(const bench_request *ask, board *b)
             die(EXIT_FAILED, "%s: the answer holds no WITS frame", b->port.text);
         }
         fputs(m.text, stdout);
-        fflush(stdout);
+        (void)fflush(stdout);   /* main() tells */
         while (next < end && port_now() < next) {
             link_wait(&s.set, 0.05);
         }

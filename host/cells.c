@@ -63,7 +63,7 @@ void cell_pack(const cell *c, uint8_t payload[CELL_PAYLOAD])
     const uint32_t words[CELL_PAYLOAD / 4] = { t->samples, t->stuck, t->liftoff, t->status[0], t->status[1], t->status[2], t->status[3], t->digest };
 
     for (unsigned k = 0; k < CELL_PAYLOAD / 4; k++) {
-        put_u32(payload + 4 * k, words[k]);
+        put_u32(&payload[(size_t)4 * k], words[k]);
     }
 }
 
@@ -74,7 +74,7 @@ void cell_unpack(cell *c, const uint8_t payload[CELL_PAYLOAD])
                                                 &t->digest };
 
     for (unsigned k = 0; k < CELL_PAYLOAD / 4; k++) {
-        *words[k] = get_u32(payload + 4 * k);
+        *words[k] = get_u32(&payload[(size_t)4 * k]);
     }
     kelly_interval(t, &c->lo, &c->hi);
 }

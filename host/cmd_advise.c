@@ -66,18 +66,18 @@ const command_help advise_help = {
 
 static range parse_range(const char *option, const char *text, double at, double lo, double hi)
 {
-    char copy[128], *colon;
+    const char *const colon = text ? strchr(text, ':') : 0;
+    char copy[128];
     range r;
 
     if (!text) {
         return (range){ decimal(lo), decimal(hi) };
     }
-    if (strlen(text) >= sizeof(copy) || !strchr(text, ':')) {
+    if (!colon || strlen(text) >= sizeof(copy)) {
         die(EXIT_USAGE, "%s %s: not a range; give LO:HI", option, text);
     }
     strcpy(copy, text);
-    colon = strchr(copy, ':');
-    *colon = '\0';
+    copy[colon - text] = '\0';
     r.lo = option_number(option, copy, 1e-3, 1e6, "LO:HI, both > 0");
     r.hi = option_number(option, colon + 1, 1e-3, 1e6, "LO:HI, both > 0");
     if (!(r.lo <= at && at <= r.hi)) {
@@ -308,7 +308,7 @@ static void write_json(FILE *to, const advice *a)
 int command_advise(int argc, char **argv)
 {
     static advice a = { .lowest = { 1.0, 1.0 } };
-    outfile json;
+    outfile json = { 0 };
 
     parse(&a, argc, argv);
     if (a.opts.json) {

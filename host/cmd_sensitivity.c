@@ -232,7 +232,7 @@ int command_sensitivity(int argc, char **argv)
 {
     static outcome out;
     options opts;
-    outfile json;
+    outfile json = { 0 };
     const double start = now();
 
     options_parse(&opts, argc, argv, TAKES_CASE | TAKES_ENSEMBLE | TAKES_JSON, "sensitivity", 0, 0);
@@ -252,7 +252,7 @@ int command_sensitivity(int argc, char **argv)
     if (opts.json) {
         outfile_open(&json, opts.json);
     }
-    run_job(&opts, &(job){ .work = work_rows, .work_size = draws_at() + engine->width * KELLY_SOBOL_ROW * sizeof(kelly_draw),
+    run_job(&opts, &(job){ .work = work_rows, .work_size = draws_at() + (size_t)engine->width * KELLY_SOBOL_ROW * sizeof(kelly_draw),
                            .result_size = (2 + out.random) * sizeof(kelly_result), .width = engine->width, .lanes = engine->width },
             take_batch, &out);
     out.seconds = now() - start;

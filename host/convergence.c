@@ -28,7 +28,7 @@ static void gram_at(const real *polynomials, unsigned modes, real fc, real *gram
     const unsigned degree = kelly_string.degree;
 
     for (unsigned e = 0; e < modes * (modes + 1) / 2; e++) {
-        gram[e] = kelly_poly(&polynomials[e * (degree + 1)], degree, s);
+        gram[e] = kelly_poly(&polynomials[(size_t)e * (degree + 1)], degree, s);
     }
 }
 

@@ -55,7 +55,7 @@ static uint8_t *read_whole(const char *path, size_t *size)
         die(EXIT_USAGE, "--image %s: cannot be read: %s", path, strerror(errno));
     }
     *size = fread(bytes, 1, FILE_MOST, file);
-    fclose(file);
+    (void)fclose(file);
     if (*size < 52 || memcmp(bytes, "\177ELF", 4) != 0 || bytes[5] != 1) {
         die(EXIT_USAGE, "--image %s: not an ELF of a board; give the .elf that make TARGET=NAME wrote", path);
     }

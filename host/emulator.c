@@ -40,7 +40,7 @@ static void list_targets(char *to, size_t room)
 /* The value of `NAME := value` in linker/TARGET.mk; 0 where it has none. */
 static int setting(const char *target, const char *name, char *value, size_t room)
 {
-    char path[PORT_TEXT], line[PORT_TEXT], targets[256];
+    char path[PORT_TEXT], line[PORT_TEXT] = "", targets[256];
     const size_t length = strlen(name);
     int found = 0;
     FILE *file;
@@ -55,7 +55,7 @@ static int setting(const char *target, const char *name, char *value, size_t roo
     while (!found && fgets(line, sizeof(line), file)) {
         found = strncmp(line, name, length) == 0 && strncmp(line + length, " := ", 4) == 0;
     }
-    fclose(file);
+    (void)fclose(file);
     line[strcspn(line, "\n")] = '\0';
     snprintf(value, room, "%s", found ? line + length + 4 : "");
     return found;
@@ -180,7 +180,7 @@ static void forget(pid_t child)
 /* In the child: its stdin and stdout are the line. */
 static _Noreturn void become(const port *p, int line, pid_t parent)
 {
-    signal(SIGPIPE, SIG_DFL);
+    (void)signal(SIGPIPE, SIG_DFL);
 #ifdef __linux__
     prctl(PR_SET_PDEATHSIG, SIGKILL);   /* however this program ends */
 #endif
@@ -199,7 +199,7 @@ int emulator_start(port *p)
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, line) != 0) {
         return -1;
     }
-    fflush(0);
+    (void)fflush(0);
     p->child = fork();
     if (p->child == 0) {
         become(p, line[1], parent);

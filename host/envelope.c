@@ -84,24 +84,26 @@ int envelope_option(void *request, const char *name, const char *value)
 /* Memory that can be had without swapping [bytes]: what the kernel says, or all there is. */
 static double memory_free(void)
 {
+    static const char name[] = "MemAvailable:";
     FILE *const info = fopen("/proc/meminfo", "r");
     char line[128];
     double kilobytes = -1;
 
     while (info && kilobytes < 0 && fgets(line, sizeof(line), info)) {
-        if (sscanf(line, "MemAvailable: %lf", &kilobytes) != 1) {
-            kilobytes = -1;
+        if (strncmp(line, name, strlen(name)) == 0) {
+            kilobytes = strtod(line + strlen(name), 0);
         }
     }
     if (info) {
-        fclose(info);
+        (void)fclose(info);
     }
     return kilobytes < 0 ? HUGE_VAL : 1024.0 * kilobytes;
 }
 
 static double memory_needed(const options *opts)
 {
-    const double times = (double)(opts->run.ticks / opts->out_ticks + 1), threads = opts->threads ? opts->threads : processors();
+    const uint32_t points = opts->run.ticks / opts->out_ticks + 1;
+    const double times = points, threads = opts->threads ? opts->threads : processors();
 
     return (double)opts->samples * (QUANTITIES * times * sizeof(real) + threads * COLUMN * sizeof(real) + 1) + times * sizeof(row);
 }
@@ -312,7 +314,7 @@ static void write_rows(void *context, uint32_t first, uint32_t count, const void
 
         if (!w->text) {
             fwrite(&time, sizeof(time), 1, w->to);
-            fwrite(at, sizeof(double), QUANTITIES * STATISTICS, w->to);
+            fwrite(at, sizeof(double), (size_t)QUANTITIES * STATISTICS, w->to);
             continue;
         }
         fprintf(w->to, "%.12g", time);

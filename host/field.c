@@ -25,7 +25,7 @@ static real *shapes_at(const real *polynomials, unsigned modes, real fc)
         die(EXIT_FAILED, "out of memory");
     }
     for (unsigned k = 0; k < values; k++) {
-        shape[k] = kelly_poly(&polynomials[k * (degree + 1)], degree, s);
+        shape[k] = kelly_poly(&polynomials[(size_t)k * (degree + 1)], degree, s);
     }
     return shape;
 }
@@ -83,7 +83,7 @@ static void fill_row(field_file *field, const kelly_plant *plant, double time)
 
     kelly_plant_modal(plant, q, v);
     for (unsigned k = 0; k < kelly_string.nodes; k++) {
-        double *const record = &field->row[k * COLUMNS];
+        double *const record = &field->row[(size_t)k * COLUMNS];
 
         record[0] = time;
         record[1] = (double)kelly_string_shapes.x[k];
@@ -103,7 +103,7 @@ void field_write(field_file *field, const kelly_plant *plant, double time)
         return;
     }
     for (unsigned k = 0; k < kelly_string.nodes; k++) {
-        const double *const r = &field->row[k * COLUMNS];
+        const double *const r = &field->row[(size_t)k * COLUMNS];
 
         fprintf(field->file.stream, "%.12g,%.*g,%.*g,%.*g\n", r[0], DIGITS, r[1], DIGITS, r[2], DIGITS, r[3]);
     }

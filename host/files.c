@@ -26,8 +26,8 @@ static void remove_temporaries(void)
 static void interrupted(int signal_number)
 {
     remove_temporaries();
-    signal(signal_number, SIG_DFL);
-    raise(signal_number);
+    (void)signal(signal_number, SIG_DFL);
+    (void)raise(signal_number);
 }
 
 static void catch_signals(void)
@@ -36,7 +36,7 @@ static void catch_signals(void)
 
     for (unsigned i = 0; i < sizeof(caught) / sizeof(caught[0]); i++) {
         if (signal(caught[i], interrupted) == SIG_IGN) {
-            signal(caught[i], SIG_IGN);
+            (void)signal(caught[i], SIG_IGN);
         }
     }
 }
@@ -127,7 +127,7 @@ void outfile_close(outfile *file)
     }
     if (!file->path) {
         if (file->stream != stdout) {
-            fclose(file->stream);
+            (void)fclose(file->stream);   /* flushed above */
         }
         return;
     }

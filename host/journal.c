@@ -187,7 +187,7 @@ static off_t replay(const journal *j, const journal_run *run, journal_sink sink,
     if (ferror(in)) {
         die(EXIT_FAILED, "%s: cannot be read: %s", j->path, strerror(errno));
     }
-    fclose(in);
+    (void)fclose(in);
     return end;
 }
 

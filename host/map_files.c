@@ -126,7 +126,7 @@ static void json_start(FILE *to, const driller_map *map, unsigned start)
 static void json_edges(FILE *to, const driller_map *map, unsigned start)
 {
     const uint32_t rows = map->wob.count;
-    const edge *const e = &map->edges[start * rows];
+    const edge *const e = &map->edges[(size_t)start * rows];
 
     fprintf(to, "  \"%s_rpm\": [", edge_of[start]);
     for (uint32_t row = 0; row < rows; row++) {

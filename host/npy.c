@@ -18,7 +18,9 @@ void npy_header(FILE *to, const char *type, unsigned dimensions, const uint64_t 
     unsigned length;
 
     for (char *c = text; *c; c++) {
-        *c = *c == '<' ? ORDER : *c;
+        if (*c == '<') {
+            *c = ORDER;
+        }
     }
     for (unsigned d = 0; d < dimensions; d++) {   /* a tuple of one needs its comma */
         n += (size_t)snprintf(text + n, sizeof(text) - n, "%llu%s", (unsigned long long)shape[d], d + 1 < dimensions ? ", " : dimensions == 1 ? "," : "");

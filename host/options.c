@@ -112,14 +112,14 @@ void option_covs(float cov[KELLY_PARAMETERS], const char *text)
 static void parse_window(times *when, const char *text)
 {
     static const char right[] = "FROM:TO in seconds within the duration, e.g. 50:100";
-    char copy[128], *colon;
+    const char *const colon = strchr(text, ':');
+    char copy[128];
 
-    if (strlen(text) >= sizeof(copy) || !strchr(text, ':')) {
+    if (!colon || strlen(text) >= sizeof(copy)) {
         die(EXIT_USAGE, "--window %s: not a window; give %s", text, right);
     }
     strcpy(copy, text);
-    colon = strchr(copy, ':');
-    *colon = '\0';
+    copy[colon - text] = '\0';
     when->window[0] = option_number("--window", copy, 0.0, 1e9, right);
     when->window[1] = option_number("--window", colon + 1, 0.0, 1e9, right);
     when->window_given = 1;

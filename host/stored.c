@@ -49,7 +49,7 @@ static char *read_all(const char *path)
     if (!from || (getdelim(&text, &room, '\0', from) < 0 && ferror(from))) {
         die(EXIT_FAILED, "%s: cannot be read: %s", path, strerror(errno));
     }
-    fclose(from);
+    (void)fclose(from);
     return text ? text : strdup("");
 }
 
@@ -139,7 +139,9 @@ static double number_of(const stored_rows *rows, const char *text, double lo, do
     if (text[0] == '\0' || *end != '\0' || strspn(text, "+-.0123456789eE") != strlen(text) || !(x >= lo && x <= hi)) {
         snprintf(what, sizeof(what), "'%.40s' is no number in %g..%g", text, lo, hi);
         for (char *c = what; *c; c++) {   /* one line, whatever the file holds */
-            *c = *c >= ' ' && *c <= '~' ? *c : '?';
+            if (*c < ' ' || *c > '~') {
+                *c = '?';
+            }
         }
         bad_line(rows, what, "give a CSV as montecarlo wrote it");
     }
@@ -190,7 +192,7 @@ int stored_next(stored_rows *rows, stored_row *row)
     char *const line = next_line(rows), *field[FIELDS];
 
     if (!line) {
-        fclose(rows->stream);
+        (void)fclose(rows->stream);
         free(rows->line);
         return 0;
     }

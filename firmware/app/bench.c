@@ -9,7 +9,8 @@
 void bench_start(kelly_bench *bench)
 {
     bench->run = kelly_string.nominal;
-    bench->state = bench->holds = KELLY_STATE_IDLE;
+    bench->state = KELLY_STATE_IDLE;
+    bench->holds = KELLY_STATE_IDLE;
 }
 
 void bench_idle(kelly_bench *bench)

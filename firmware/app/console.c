@@ -187,7 +187,7 @@ static int switch_wits(kelly_bench *bench, const char *text)
     return SCPI_NO_ERROR;
 }
 
-static void reset(kelly_bench *bench)
+static void restore(kelly_bench *bench)
 {
     bench_idle(bench);
     bench->run = kelly_string.nominal;
@@ -226,7 +226,7 @@ static int carry_out(kelly_bench *bench, int which, const char *text)
         say_name();
         break;
     case RST:
-        reset(bench);
+        restore(bench);
         break;
     case CLS:
         bench->console.count = 0;

@@ -5,7 +5,8 @@
 
 void gauge_clear(kelly_gauge *gauge)
 {
-    gauge->now = gauge->last = (kelly_gauge_second){ 0 };
+    gauge->now = (kelly_gauge_second){ 0 };
+    gauge->last = gauge->now;
     gauge->seconds = 0;
 }
 
@@ -13,7 +14,9 @@ void gauge_job(kelly_gauge *gauge, uint32_t job)
 {
     if (gauge->job != job) {
         gauge->job = job;
-        gauge->next = gauge->samples = gauge->stuck = 0;
+        gauge->next = 0;
+        gauge->samples = 0;
+        gauge->stuck = 0;
     }
 }
 
@@ -92,8 +95,10 @@ static void show_second(const kelly_gauge_second *last, kelly_wits *values)
 {
     const real looks = (real)last->looks;
 
-    values->wob_mean = values->bit_wob_mean = last->weight / looks;
-    values->wob_max = values->bit_wob_max = last->weight_high;
+    values->bit_wob_mean = last->weight / looks;
+    values->bit_wob_max = last->weight_high;
+    values->wob_mean = values->bit_wob_mean;
+    values->wob_max = values->bit_wob_max;
     values->torque_mean = last->torque / looks;
     values->torque_max = last->torque_high;
     values->bit_torque_mean = last->bit_torque / looks;

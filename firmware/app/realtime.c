@@ -32,7 +32,8 @@ void realtime_begin(kelly_bench *bench, const kelly_msg_plant_start *ask, real w
                       .period = period, .weight = weight, .state = KELLY_RT_RUNNING, .tick_counts = counts_of_a_tick() };
     out_defer(1);
     watchdog_start(REALTIME_WATCHDOG_MS + period);
-    rt->heard = rt->start = board_ticks();
+    rt->start = board_ticks();
+    rt->heard = rt->start;
 }
 
 /* ---- the books ---- */

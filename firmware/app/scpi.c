@@ -3,7 +3,7 @@
 static int is_capital(char c) { return c >= 'A' && c <= 'Z'; }
 static int is_small(char c) { return c >= 'a' && c <= 'z'; }
 static int is_digit(char c) { return c >= '0' && c <= '9'; }
-static char capital(char c) { return is_small(c) ? (char)(c - 'a' + 'A') : c; }
+static char capital(char c) { return (char)(is_small(c) ? c - 'a' + 'A' : c); }
 
 /* Characters of `pattern` and `text` that go together; the pattern's small letters all or not at all. */
 static const char *match(const char *text, const char *pattern)

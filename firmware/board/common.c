@@ -5,14 +5,16 @@
 
 void board_text(const char *text)
 {
-    while (*text != '\0')
+    while (*text != '\0') {
         board_write((uint8_t)*text++);
+    }
 }
 
 void board_hex(uint32_t value)
 {
-    for (int shift = 28; shift >= 0; shift -= 4)
+    for (int shift = 28; shift >= 0; shift -= 4) {
         board_write((uint8_t)"0123456789abcdef"[(value >> shift) & 15u]);
+    }
 }
 
 void board_decimal(uint32_t value)
@@ -67,8 +69,9 @@ uint32_t stack_used(void)
 {
     const volatile uint32_t *word = stack_base;
 
-    while (word < stack_top && *word == PAINT)
+    while (word < stack_top && *word == PAINT) {
         word++;
+    }
     return (uint32_t)((uintptr_t)stack_top - (uintptr_t)word);
 }
 
@@ -85,18 +88,22 @@ void start_memory(void)
     uint32_t *stop = (uint32_t *)(uintptr_t)((uintptr_t)&here - 64u);
     const uint32_t *from = data_load;
 
-    for (volatile uint32_t *word = stack_base; word < stop; word++)
+    for (volatile uint32_t *word = stack_base; word < stop; word++) {
         *word = PAINT;
-    for (uint32_t *to = data_start; to < data_end; to++)
+    }
+    for (uint32_t *to = data_start; to < data_end; to++) {
         *to = *from++;
-    for (uint32_t *to = bss_start; to < bss_end; to++)
+    }
+    for (uint32_t *to = bss_start; to < bss_end; to++) {
         *to = 0;
+    }
 }
 
 static void item(const char *name, uint32_t value)
 {
-    if (value == FAULT_UNKNOWN)
+    if (value == FAULT_UNKNOWN) {
         return;
+    }
     board_text(name);
     board_hex(value);
 }

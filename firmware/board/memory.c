@@ -13,8 +13,9 @@ void *memcpy(void *restrict to, const void *restrict from, size_t size)
     unsigned char *t = to;
     const unsigned char *f = from;
 
-    while (size-- > 0)
+    while (size-- > 0) {
         *t++ = *f++;
+    }
     return to;
 }
 
@@ -23,10 +24,12 @@ void *memmove(void *to, const void *from, size_t size)
     unsigned char *t = to;
     const unsigned char *f = from;
 
-    if (t < f)
+    if (t < f) {
         return memcpy(to, from, size);   /* upwards, byte by byte: right for overlap in this direction */
-    while (size-- > 0)
+    }
+    while (size-- > 0) {
         t[size] = f[size];
+    }
     return to;
 }
 
@@ -34,7 +37,8 @@ void *memset(void *to, int value, size_t size)
 {
     unsigned char *t = to;
 
-    while (size-- > 0)
+    while (size-- > 0) {
         *t++ = (unsigned char)value;
+    }
     return to;
 }

@@ -71,7 +71,8 @@ static int finish(kelly_receiver *receiver)
     const size_t size = receiver->size;
 
     receiver->inside = 1;
-    receiver->code = receiver->left = 0;
+    receiver->code = 0;
+    receiver->left = 0;
     receiver->fresh = 1;
     if (!begun) {
         return 0;

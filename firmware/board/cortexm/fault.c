@@ -46,12 +46,15 @@ static const char *fault_name(const uint32_t *frame)
 {
     uint32_t pc = frame[6], rom = (uint32_t)(uintptr_t)rom_start;
 
-    if ((frame[7] & (1u << 24)) == 0)
+    if ((frame[7] & (1u << 24)) == 0) {
         return "bad state: jump to an even address";
-    if (pc - rom >= (uint32_t)(uintptr_t)rom_size)
+    }
+    if (pc - rom >= (uint32_t)(uintptr_t)rom_size) {
         return "jump out of the program";
-    if ((*(const uint16_t *)(uintptr_t)pc & 0xFF00u) == 0xDE00u)
+    }
+    if ((*(const uint16_t *)(uintptr_t)pc & 0xFF00u) == 0xDE00u) {
         return "undefined instruction";
+    }
     return "bad memory access";
 }
 
@@ -62,11 +65,14 @@ _Noreturn void fault_report(const uint32_t *frame, uint32_t exc_return)
     if (frame_stored(frame)) {
         fault.pc = frame[6];
         fault.from = frame[5];
-        if (frame[6] == (uint32_t)(uintptr_t)exit_breakpoint)
-            for (;;)   /* the program had ended, and no debugger was there to hear it */
+        if (frame[6] == (uint32_t)(uintptr_t)exit_breakpoint) {
+            for (;;) {   /* the program had ended, and no debugger was there to hear it */
                 board_idle();
-        if ((uintptr_t)frame >= (uintptr_t)stack_base + STACK_EDGE)
+            }
+        }
+        if ((uintptr_t)frame >= (uintptr_t)stack_base + STACK_EDGE) {
             fault.name = fault_name(frame);
+        }
     }
     fault_end(&fault);
 }
@@ -94,18 +100,22 @@ static const struct { uint32_t bits; const char *name; } names[] = {
 
 static const char *fault_name(uint32_t cfsr)
 {
-    for (unsigned i = 0; i < sizeof names / sizeof names[0]; i++)
-        if ((cfsr & names[i].bits) != 0)
+    for (unsigned i = 0; i < sizeof names / sizeof names[0]; i++) {
+        if ((cfsr & names[i].bits) != 0) {
             return names[i].name;
-    if ((SCB_HFSR & 2u) != 0)
+        }
+    }
+    if ((SCB_HFSR & 2u) != 0) {
         return "HardFault: vector table not readable";
+    }
     return CORE_V8M && SFSR != 0 ? "SecureFault" : "HardFault";
 }
 
 static uint32_t fault_address(uint32_t cfsr)
 {
-    if ((cfsr & (1u << 7)) != 0)
+    if ((cfsr & (1u << 7)) != 0) {
         return SCB_MMFAR;
+    }
     return (cfsr & (1u << 15)) != 0 ? SCB_BFAR : FAULT_UNKNOWN;
 }
 
@@ -126,8 +136,9 @@ _Noreturn void fault_report(const uint32_t *frame, uint32_t exc_return)
         fault.pc = frame[6];
         fault.from = frame[5];
     }
-    if (overflowed(frame, cfsr, address))
+    if (overflowed(frame, cfsr, address)) {
         fault.name = "stack overflow";
+    }
     fault_end(&fault);
 }
 
@@ -144,11 +155,13 @@ void enable_faults(void)
 void check_fpu(void)
 {
 #ifdef __ARM_FP
-    if ((SCB_CPACR & (15u << 20)) != (15u << 20))
+    if ((SCB_CPACR & (15u << 20)) != (15u << 20)) {
         fault_named("wrong FPU: the image needs one, this core has none", 0);
+    }
 #if __ARM_FP & 8
-    if ((MVFR0 & (15u << 8)) == 0)
+    if ((MVFR0 & (15u << 8)) == 0) {
         fault_named("wrong FPU: the image needs double precision, this core has single", 0);
+    }
 #endif
 #endif
 }

@@ -51,8 +51,9 @@ void board_vectors(int readable)
 {
     const uint32_t rom = (uint32_t)(uintptr_t)rom_start, hidden = readable ? 0u : VECTORS_SIZE;
 
-    if ((MPU_TYPE & 0xFF00u) == 0)
+    if ((MPU_TYPE & 0xFF00u) == 0) {
         return;
+    }
 #if CORE_V8M
     region(0, rom + hidden, rom + (uint32_t)(uintptr_t)rom_size, 2u << 1, 0);
 #else
@@ -66,8 +67,9 @@ void protect_memory(void)
 {
     uint32_t rom = (uint32_t)(uintptr_t)rom_start, ram = (uint32_t)(uintptr_t)ram_start;
 
-    if ((MPU_TYPE & 0xFF00u) == 0)
+    if ((MPU_TYPE & 0xFF00u) == 0) {
         return;
+    }
     regions(rom, rom + (uint32_t)(uintptr_t)rom_size, ram, ram + (uint32_t)(uintptr_t)ram_size);
     MPU_CTRL = 1;   /* on, without the default map; off inside HardFault, so that it can report */
     __asm volatile("dsb\nisb" ::: "memory");

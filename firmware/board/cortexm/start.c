@@ -93,8 +93,9 @@ static volatile uint32_t ring_in, ring_out;
 
 void received(uint8_t byte)
 {
-    if (ring_in - ring_out == RING)
+    if (ring_in - ring_out == RING) {
         return;   /* nobody reads: the newest is lost */
+    }
     ring[ring_in % RING] = byte;
     ring_in++;
 }
@@ -103,8 +104,9 @@ int board_read(void)
 {
     int byte;
 
-    if (ring_in == ring_out)
+    if (ring_in == ring_out) {
         return -1;
+    }
     byte = ring[ring_out % RING];
     ring_out++;
     return byte;
@@ -128,10 +130,11 @@ void board_idle(void) { __asm volatile("wfi" ::: "memory"); }
 
 void board_quiet(int quiet)
 {
-    if (quiet)
+    if (quiet) {
         __asm volatile("cpsid i" ::: "memory");
-    else
+    } else {
         __asm volatile("cpsie i" ::: "memory");
+    }
 }
 
 /* A breakpoint that nobody catches is a fault. Silicon shows an attached debugger in DHCSR; an emulator has no DWT. The
@@ -152,10 +155,12 @@ _Noreturn void board_exit(int status)
     register uint32_t operation __asm("r0") = 0x20;
     register const uint32_t *argument __asm("r1") = block;
 
-    if (someone_listens())
+    if (someone_listens()) {
         __asm volatile(".global exit_breakpoint\nexit_breakpoint: bkpt 0xAB"
                        : "+r"(operation) : "r"(argument) : "memory");
+    }
     board_quiet(1);
-    for (;;)
+    for (;;) {
         board_idle();
+    }
 }

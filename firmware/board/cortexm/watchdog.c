@@ -29,8 +29,9 @@ void watchdog_stop(void) { limit = 0; }
 void watchdog_tick(void)
 {
     if (limit != 0) {
-        if (left == 0)
+        if (left == 0) {
             fault_end(&(struct fault){"watchdog: no checked step in time, ms", FAULT_UNKNOWN, FAULT_UNKNOWN, FAULT_UNKNOWN, " ", limit});
+        }
         left--;
     }
     (void)hardware_watchdog(0);

@@ -19,8 +19,8 @@ enum { TX_PIN = 24, RX_PIN = 25 };
 static void start_clock(void)
 {
     CLOCK_HFCLKSTART = 1;
-    for (uint32_t polls = 0; polls < 50000 && CLOCK_HFCLKSTARTED == 0; polls++)
-        ;
+    for (uint32_t polls = 0; polls < 50000 && CLOCK_HFCLKSTARTED == 0; polls++) {
+    }
 }
 
 static void start_uart(void)
@@ -77,8 +77,8 @@ int board_ready(void) { return !sending || UART(0x11C) != 0; }
 
 void board_write(uint8_t byte)
 {
-    for (uint32_t polls = 0; polls < BOARD_POLLS && !board_ready(); polls++)
-        ;
+    for (uint32_t polls = 0; polls < BOARD_POLLS && !board_ready(); polls++) {
+    }
     UART(0x11C) = 0;
     UART(0x51C) = byte;
     sending = 1;

@@ -23,19 +23,21 @@ void board_init(void)
 void board_interrupt(void)
 {
     device_uart[3] = 2;
-    while ((device_uart[1] & 2u) != 0)
+    while ((device_uart[1] & 2u) != 0) {
         received((uint8_t)device_uart[0]);
+    }
 }
 
 int board_ready(void) { return (device_uart[1] & 1u) == 0; }
 
 void board_write(uint8_t byte)
 {
-    for (uint32_t polls = 0; polls < BOARD_POLLS; polls++)
+    for (uint32_t polls = 0; polls < BOARD_POLLS; polls++) {
         if (board_ready()) {
             device_uart[0] = byte;
             return;
         }
+    }
 }
 
 uint32_t board_count(void) { return board_counts_cycles() ? DWT_CYCCNT : device_fpgaio[6]; }

@@ -21,8 +21,9 @@ static const char *const names[] = {
  * else in the image does. */
 static const char *trap_name(uintptr_t cause, uintptr_t address, uintptr_t sp)
 {
-    if (sp < (uintptr_t)stack_base || (cause != 2 && cause != 3 && stack_overrun(address)))
+    if (sp < (uintptr_t)stack_base || (cause != 2 && cause != 3 && stack_overrun(address))) {
         return "stack overflow";
+    }
     return cause < sizeof names / sizeof names[0] ? names[cause] : "unexpected trap";
 }
 
@@ -55,9 +56,10 @@ static void check_fpu(void)
 {
     const uintptr_t need = __riscv_flen == 64 ? 1u << 3 | 1u << 5 : 1u << 5;   /* misa: D, F */
 
-    if ((read_misa() & need) != need)
+    if ((read_misa() & need) != need) {
         fault_end(&(struct fault){"wrong FPU: the image needs one that this core does not have", FAULT_UNKNOWN,
                                   FAULT_UNKNOWN, FAULT_UNKNOWN, ", misa ", (uint32_t)read_misa()});
+    }
 }
 #else
 static void check_fpu(void) {}

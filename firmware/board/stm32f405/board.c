@@ -48,9 +48,11 @@ static void clock_on(volatile uint32_t *gate, uint32_t bit)
 /* Wait for a bit of RCC_CR: crystal 2 ms, PLL 0.3 ms; this many polls take at least 20 ms at 16 MHz. */
 static int ready(uint32_t bit)
 {
-    for (uint32_t polls = 0; polls < 50000; polls++)
-        if ((RCC_CR & bit) != 0)
+    for (uint32_t polls = 0; polls < 50000; polls++) {
+        if ((RCC_CR & bit) != 0) {
             return 1;
+        }
+    }
     return 0;
 }
 
@@ -69,18 +71,20 @@ static int start_pll(void)
  * The emulator's is, and its core clock is fixed at 168 MHz. */
 static uint32_t start_clock(void)
 {
-    if (RCC_CR == 0)
+    if (RCC_CR == 0) {
         return PLL_HZ;
+    }
     clock_on(&RCC_APB1ENR, 1u << 28);   /* PWR */
     PWR_CR |= 1u << 14;
-    if (!start_pll())
+    if (!start_pll()) {
         return HSI_HZ;
+    }
     FLASH_ACR = 7u << 8 | 5u;   /* prefetch, instruction and data cache, 5 wait states; in force once it reads back */
     (void)FLASH_ACR;
     RCC_CFGR = 4u << 13 | 5u << 10;   /* APB2 / 2, APB1 / 4, AHB / 1 */
     RCC_CFGR |= 2u;
-    for (uint32_t polls = 0; polls < 50000 && (RCC_CFGR & 12u) != 8u; polls++)
-        ;
+    for (uint32_t polls = 0; polls < 50000 && (RCC_CFGR & 12u) != 8u; polls++) {
+    }
     return PLL_HZ;
 }
 
@@ -120,19 +124,21 @@ void board_interrupt(void)
 {
     uint32_t status = USART1_SR, byte = USART1_DR;
 
-    if ((status & (1u << 5)) != 0)
+    if ((status & (1u << 5)) != 0) {
         received((uint8_t)byte);
+    }
 }
 
 int board_ready(void) { return (USART1_SR & (1u << 7)) != 0; }
 
 void board_write(uint8_t byte)
 {
-    for (uint32_t polls = 0; polls < BOARD_POLLS; polls++)
+    for (uint32_t polls = 0; polls < BOARD_POLLS; polls++) {
         if (board_ready()) {
             USART1_DR = byte;
             return;
         }
+    }
 }
 
 uint32_t board_count(void) { return board_counts_cycles() ? DWT_CYCCNT : TIM2_CNT; }
@@ -141,8 +147,9 @@ uint32_t board_count(void) { return board_counts_cycles() ? DWT_CYCCNT : TIM2_CN
  * emulator, which RCC_CR tells. */
 int hardware_watchdog(int start)
 {
-    if (RCC_CR == 0)
+    if (RCC_CR == 0) {
         return 0;
+    }
     if (start) {
         DBG_FREEZE |= 1u << 12;
         IWDG_KR = 0xCCCC;

@@ -43,11 +43,12 @@ int board_ready(void) { return (UART(5) & 0x20u) != 0; }
 
 void board_write(uint8_t byte)
 {
-    for (uint32_t polls = 0; polls < BOARD_POLLS; polls++)
+    for (uint32_t polls = 0; polls < BOARD_POLLS; polls++) {
         if (board_ready()) {
             UART(0) = byte;
             return;
         }
+    }
 }
 
 /* The FIFO holds 16 bytes, more than come at 115200 in the tick that board_idle may sleep. */
@@ -80,6 +81,7 @@ void board_idle(void)
 _Noreturn void board_exit(int status)
 {
     FINISHER = status == 0 ? 0x5555u : (uint32_t)status << 16 | 0x3333u;
-    for (;;)
+    for (;;) {
         __asm volatile("wfi");
+    }
 }
