@@ -150,7 +150,7 @@ endif
 unit_objects := $(patsubst tests/%.c,$(dir)/tests/%.o,tests/main.c tests/check.c tests/fixture.c tests/textbook.c $(wildcard tests/test_*.c))
 engine_objects := $(dir)/host/engine.o $(dir)/host/files.o
 
-unit: $(dir)/unit $(dir)/lanes $(dir)/accuracy $(dir)/drive-numbers
+unit: $(dir)/unit $(dir)/lanes $(dir)/accuracy $(dir)/drive-numbers $(dir)/random-stream
 
 $(dir)/unit: $(unit_objects) $(library) $(table_objects)
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -o $@
@@ -160,6 +160,9 @@ $(dir)/drive-numbers: $(dir)/tests/host_drive.o $(library) $(table_objects)
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -o $@
 $(dir)/accuracy: $(dir)/tests/host_accuracy.o $(dir)/detmath.o $(dir)/random.o
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -lm -o $@
+
+$(dir)/random-stream: $(dir)/tests/random_stream.o $(dir)/detmath.o $(dir)/random.o
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -o $@
 
 $(dir)/tests/%.o: tests/%.c $(dir)/flags
 	@mkdir -p $(@D); echo 'CC $<' >&2
