@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "map.h"
+#include "team.h"
 
 #define RESOLUTION 0.1           /* [rpm], [kN] */
 #define STEPS 50.0               /* of a ray over the whole range of its axis, about */
@@ -311,6 +312,10 @@ int command_advise(int argc, char **argv)
     outfile json;
 
     parse(&a, argc, argv);
+    if (team_rank() > 0) {
+        cells_follow(&a.how);
+        return EXIT_DONE;
+    }
     if (a.opts.json) {
         outfile_open(&json, a.opts.json);
     }
@@ -318,6 +323,7 @@ int command_advise(int argc, char **argv)
     if (!(cautious(&a.now) < a.limit)) {
         search(&a);
     }
+    team_dismiss();
     if (a.opts.json) {
         write_json(json.stream, &a);
         outfile_close(&json);
