@@ -21,7 +21,8 @@ const command_help montecarlo_help = {
              "SSI = (max - min)/(2 mean), the index of rig displays, is reported beside it (JSON: ssi).\n"
              "A realisation that cannot be trusted has a status (step, range, nonfinite) and is never counted.\n"
              "OUTPUT.journal beside the first output, CSV or JSON, holds what is done, 48 bytes a realisation (88 in double), and goes when all\n"
-             "is written. --resume runs only what is missing in it; --convergence, --envelope and --traces run again.",
+             "is written; OUTPUT.convergence.journal is that of --convergence. --resume runs only what is missing in them; --envelope and\n"
+             "--traces, which hold all in memory, run again.",
     .example = "kelly montecarlo --mu 0.004 --samples 4000 --json run.json --csv runs.csv",
 };
 
@@ -55,7 +56,7 @@ int command_montecarlo(int argc, char **argv)
         opts.samples = out.tally.samples;   /* of a run that stopped itself, all that follows is about these */
     }
     if (opts.convergence) {
-        convergence_run(&opts, &out.convergence);
+        convergence_run(&opts, beside, &out.convergence_log, &out.convergence);
     }
     if (team_rank() == 0) {
         envelope_run(&out.envelope, &opts);

@@ -199,6 +199,7 @@ typedef struct {
     const int *enough;            /* or 0: once the sink has set it, no further batch is begun; batches are short then */
     struct journal *log;          /* or 0; opened here, removed by the caller when its files are in their places */
     const char *beside, *kind;    /* where the journal lies, and whose it is: see journal.h */
+    uint32_t also;                /* what results depend on besides string, precision, case_identity, seed and index */
     int lead_alone;               /* of several processes the first alone runs them: `work` leaves more behind than results */
 } job;
 
@@ -242,7 +243,8 @@ int command_manual(int argc, char **argv);
 extern const command_help modes_help, simulate_help, montecarlo_help, map_help, advise_help, manual_help;
 extern const command_help sensitivity_help, whatif_help, bench_help;
 
-/* The paper's convergence function over the realisations of opts: writes value[i] at checkpoint n[i]; see convergence.c. */
+/* The paper's convergence function over the realisations of opts: writes value[i] at checkpoint n[i]; see convergence.c. Its journal, where
+ * there is an output for it to lie beside, is OUTPUT.convergence.journal; the caller removes it. */
 #define CHECKPOINTS_MAX 40
 typedef struct {
     unsigned count;
@@ -250,7 +252,7 @@ typedef struct {
     double value[CHECKPOINTS_MAX];
 } convergence_table;
 
-void convergence_run(const options *opts, convergence_table *table);
+void convergence_run(const options *opts, const char *beside, struct journal *log, convergence_table *table);
 
 /* Statistics in time, and traces, of the realisations of opts; see envelope.c. Start from zeros. */
 typedef struct {

@@ -288,6 +288,7 @@ void outcome_close(outcome *out)
     if (opts->csv) {
         outfile_close(&out->csv);
     }
+    journal_remove(&out->convergence_log);
     journal_remove(&out->log);
     if (outcome_speaks(opts)) {
         print_outcome(out, lo, hi);

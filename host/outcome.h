@@ -21,7 +21,7 @@ typedef struct {
     uint32_t refused[LISTED];
     uint8_t why[LISTED];
     double start, seconds;
-    journal log;                 /* open where the run keeps one; removed when the files are in their places */
+    journal log, convergence_log;   /* open where the run keeps them; removed when the files are in their places */
     convergence_table convergence;
     envelope_request envelope;
     until_request until;

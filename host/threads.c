@@ -282,11 +282,11 @@ static int take_record(void *context, uint32_t index, const uint8_t *payload)
 static uint32_t recall(const options *opts, const job *what, batch_sink sink, void *context)
 {
     const real sample = R(1.0) / R(3.0);   /* results lie in the journal as in memory: another byte order is another run */
-    const struct { uint32_t identity, first; } run = { case_identity(&opts->run), opts->first };
+    const uint32_t run[3] = { case_identity(&opts->run), opts->first, what->also };
     replay r = { opts, what->result_size, sink, context, 0 };
     uint32_t parameters = kelly_crc32c(0, (const uint8_t *)&sample, sizeof(sample));
 
-    parameters = kelly_crc32c(parameters, (const uint8_t *)&run, sizeof(run));
+    parameters = kelly_crc32c(parameters, (const uint8_t *)run, sizeof(run));
     journal_open(what->log, what->beside, &(journal_run){ .kind = what->kind, .model = kelly_string.id, .seed = opts->seed, .parameters = parameters,
                  .records = opts->samples, .payload = (uint32_t)what->result_size }, opts->resume, take_record, &r);
     return r.done;
