@@ -3,7 +3,7 @@
  * The realisations of a cell still to come, up to SEGMENT, are cut into pieces of whole vectors. A thread takes a piece of a cell
  * that is under way, or else begins the next cell; who finishes the last piece of a segment adds it up, in the order
  * of the indices, writes it to the journal, and opens the cell's next segment. So both the only cell of a map and the last of
- * many keep all threads busy, and no order of execution can show.
+ * many keep all threads busy, and no order of execution can show. The other processes of a team take pieces in the same way.
  */
 #include <math.h>
 #include <pthread.h>
@@ -11,16 +11,18 @@
 #include <time.h>
 
 #include "map.h"
+#include "team.h"
 
 #define SEGMENT 16384u           /* realisations of a cell whose results are in memory at once */
 #define FIRST_LOOK 32u           /* adaptive: realisations before the first decision */
+#define SHOW 0.25                /* [s] between two lines of progress */
 #define LOOKS 48.0               /* there are fewer up to 2^32: 32 1.5^k */
 
 /* Part of a cell that is under way; cell 0: a free place. */
 typedef struct {
     cell *cell;
     kelly_case run;
-    uint32_t count;              /* realisations of this segment */
+    uint32_t base, count;        /* realisations of this segment: the first, how many */
     uint32_t vectors, pieces, next, left;
     kelly_result *results;
 } segment;
@@ -32,7 +34,9 @@ typedef struct {
     uint32_t begun, done;        /* cells */
     uint32_t before;             /* done by an earlier run */
     unsigned places;
-    segment *at;                 /* [places], one a thread is enough: see take_piece */
+    segment *at;                 /* [places], one a piece that is under way is enough: see take_piece */
+    int watched;                 /* progress is shown */
+    double start, shown;         /* [s] */
     pthread_mutex_t lock;
     pthread_cond_t changed;
 } workshop;
@@ -135,6 +139,7 @@ static void open_segment(const workshop *w, segment *g, cell *c, uint32_t count)
 
     g->cell = c;
     g->run = cell_case(w->s, c);
+    g->base = w->s->opts->first + c->tally.samples;
     g->count = count;
     g->vectors = (count + width - 1) / width;
     g->pieces = (g->vectors + whole - 1) / whole;
@@ -166,8 +171,8 @@ static int begin_cell(workshop *w, segment *g)
     return 0;
 }
 
-/* A piece of a cell under way, else of a new one. With a place a thread there is one free whenever it is needed: a place
- * without a piece to give away is kept by another thread that works on it. */
+/* A piece of a cell under way, else of a new one. With a place for every piece that can be under way there is one free whenever it is
+ * needed: a place without a piece to give away is kept by one that somebody works on. */
 static segment *take_piece(workshop *w, uint32_t *piece)
 {
     segment *open = 0, *unused = 0;
@@ -190,18 +195,17 @@ static segment *take_piece(workshop *w, uint32_t *piece)
 static void close_segment(workshop *w, segment *g)
 {
     cell *const c = g->cell;
-    const uint32_t first = w->s->opts->first + c->tally.samples;
     uint32_t more;
 
     for (uint32_t i = 0; i < g->count; i++) {
-        kelly_tally_add(&c->tally, first + i, &g->results[i]);
+        kelly_tally_add(&c->tally, g->base + i, &g->results[i]);
     }
     kelly_interval(&c->tally, &c->lo, &c->hi);
     if (w->s->log) {
         uint8_t payload[CELL_PAYLOAD];
 
         cell_pack(c, payload);
-        journal_append(w->s->log, w->record + (uint32_t)(c - w->cells), payload);
+        journal_append(w->s->log, w->record + (uint32_t)(c - w->cells), 1, payload);
     }
     more = still_to_run(w->s, c);
     if (more > 0) {
@@ -217,8 +221,7 @@ static void run_piece(const workshop *w, const segment *g, uint32_t piece, void 
 {
     const uint32_t from = piece_start(w, g, piece), to = piece_start(w, g, piece + 1);
 
-    w->s->engine->run(&kelly_string, &g->run, w->s->opts->seed, w->s->opts->first + g->cell->tally.samples + from, to - from,
-                      &g->results[from], work);
+    w->s->engine->run(&kelly_string, &g->run, w->s->opts->seed, g->base + from, to - from, &g->results[from], work);
 }
 
 static void *worker(void *context)
@@ -253,35 +256,135 @@ static void *worker(void *context)
     return 0;
 }
 
-/* Cells done, four times a second, until all are. */
-static void watch(workshop *w)
-{
-    struct timespec start, t;
+/* ---- the other processes of a team --------------------------------------------------------------------------------- */
 
-    clock_gettime(CLOCK_REALTIME, &start);
-    t = start;
+static int give_piece(void *context, errand *e)
+{
+    workshop *const w = context;
+    segment *g;
+    uint32_t piece;
+
     pthread_mutex_lock(&w->lock);
-    while (w->done < w->count) {
-        if (pthread_cond_timedwait(&w->changed, &w->lock, &t) == 0) {
-            continue;
-        }
-        clock_gettime(CLOCK_REALTIME, &t);
-        progress_show(w->s->opts, w->done > w->before ? w->done - w->before : 0, w->count - w->before,
-                      (double)(t.tv_sec - start.tv_sec) + 1e-9 * (double)(t.tv_nsec - start.tv_nsec));
-        t.tv_nsec += 250000000;
-        t.tv_sec += t.tv_nsec / 1000000000;
-        t.tv_nsec %= 1000000000;
+    g = take_piece(w, &piece);
+    pthread_mutex_unlock(&w->lock);
+    if (g) {
+        const uint32_t from = piece_start(w, g, piece), to = piece_start(w, g, piece + 1);
+
+        *e = (errand){ .input = &g->run, .input_size = sizeof(g->run), .first = g->base + from, .count = to - from,
+                       .results = &g->results[from], .number = (uint32_t)(g - w->at) };
+    }
+    return g != 0;
+}
+
+static void take_back(void *context, const errand *e)
+{
+    workshop *const w = context;
+
+    pthread_mutex_lock(&w->lock);
+    if (--w->at[e->number].left == 0) {
+        close_segment(w, &w->at[e->number]);
     }
     pthread_mutex_unlock(&w->lock);
-    progress_end(w->s->opts, w->count - w->before, (double)(t.tv_sec - start.tv_sec));
+}
+
+typedef struct {
+    const study *s;
+    void *work;
+} follower;
+
+static void run_errand(void *context, const errand *e)
+{
+    const follower *const f = context;
+
+    f->s->engine->run(&kelly_string, e->input, f->s->opts->seed, e->first, e->count, e->results, f->work);
+}
+
+void cells_follow(const study *s)
+{
+    follower f = { s, 0 };
+
+    if (posix_memalign(&f.work, 64, s->engine->work_size) != 0) {
+        die(EXIT_FAILED, "out of memory");
+    }
+    team_follow(run_errand, &f, sizeof(kelly_result));
+    free(f.work);
+}
+
+/* ---- all ------------------------------------------------------------------------------------------------------------- */
+
+static double now(void)
+{
+    struct timespec t;
+
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* Where it is due; the lock is held. */
+static void show(workshop *w)
+{
+    if (w->watched && w->done < w->count && now() - w->shown > SHOW) {
+        w->shown = now();
+        progress_show(w->s->opts, w->done > w->before ? w->done - w->before : 0, w->count - w->before, w->shown - w->start);
+    }
+}
+
+static int cells_over(void *context)
+{
+    workshop *const w = context;
+    int over;
+
+    pthread_mutex_lock(&w->lock);
+    show(w);
+    over = w->done == w->count;
+    pthread_mutex_unlock(&w->lock);
+    return over;
+}
+
+/* Until all cells are done. */
+static void watch(workshop *w)
+{
+    struct timespec until;
+
+    pthread_mutex_lock(&w->lock);
+    while (w->done < w->count) {
+        show(w);
+        clock_gettime(CLOCK_REALTIME, &until);
+        until.tv_nsec += (long)(1e9 * SHOW / 2);
+        until.tv_sec += until.tv_nsec / 1000000000;
+        until.tv_nsec %= 1000000000;
+        pthread_cond_timedwait(&w->changed, &w->lock, &until);
+    }
+    pthread_mutex_unlock(&w->lock);
+}
+
+static void run_threads(workshop *w, unsigned threads, pthread_t *ids)
+{
+    for (unsigned t = 0; t < threads; t++) {
+        if (pthread_create(&ids[t], 0, worker, w) != 0) {
+            die(EXIT_FAILED, "cannot start thread %u of %u; give fewer --threads", t + 1, threads);
+        }
+    }
+    if (team_others() > 0) {
+        team_lead(&(team_source){ w, give_piece, take_back, cells_over, sizeof(kelly_result) });
+    } else if (w->watched) {
+        watch(w);
+    }
+    for (unsigned t = 0; t < threads; t++) {
+        pthread_join(ids[t], 0);
+    }
+    if (w->watched) {
+        progress_end(w->s->opts, w->count - w->before, now() - w->start);
+    }
 }
 
 void cells_run(const study *s, cell *cells, uint32_t count, uint32_t record)
 {
-    const unsigned threads = s->opts->threads ? s->opts->threads : processors();
+    const unsigned threads = threads_of(s->opts), places = threads + TEAM_DEPTH * team_others();
     const uint32_t most = s->opts->samples < SEGMENT ? s->opts->samples : SEGMENT;
-    workshop w = { .s = s, .cells = cells, .count = count, .record = record, .places = threads, .at = calloc(threads, sizeof(segment)) };
-    kelly_result *const results = calloc((size_t)threads * most, sizeof(kelly_result));
+    workshop w = { .s = s, .cells = cells, .count = count, .record = record, .places = places, .at = calloc(places, sizeof(segment)),
+                   .watched = !s->silent && progress_wanted(s->opts), .start = now(), .shown = now() };
+    kelly_result *const results = calloc((size_t)places * most, sizeof(kelly_result));
     pthread_t *const ids = calloc(threads, sizeof(*ids));
 
     if (!w.at || !results || !ids) {
@@ -292,20 +395,10 @@ void cells_run(const study *s, cell *cells, uint32_t count, uint32_t record)
     }
     pthread_mutex_init(&w.lock, 0);
     pthread_cond_init(&w.changed, 0);
-    for (unsigned t = 0; t < threads; t++) {   /* every place, before any thread looks for one */
+    for (unsigned t = 0; t < places; t++) {   /* every place, before any thread looks for one */
         w.at[t].results = results + (size_t)t * most;
     }
-    for (unsigned t = 0; t < threads; t++) {
-        if (pthread_create(&ids[t], 0, worker, &w) != 0) {
-            die(EXIT_FAILED, "cannot start thread %u of %u; give fewer --threads", t + 1, threads);
-        }
-    }
-    if (!s->silent && progress_wanted(s->opts)) {
-        watch(&w);
-    }
-    for (unsigned t = 0; t < threads; t++) {
-        pthread_join(ids[t], 0);
-    }
+    run_threads(&w, threads, ids);
     pthread_cond_destroy(&w.changed);
     pthread_mutex_destroy(&w.lock);
     free(ids);

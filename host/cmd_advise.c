@@ -7,10 +7,14 @@
 #include <math.h>
 #include <string.h>
 
+#include "../firmware/link/crc32c.h"
 #include "map.h"
+#include "outcome.h"
+#include "team.h"
 
 #define RESOLUTION 0.1           /* [rpm], [kN] */
 #define STEPS 50.0               /* of a ray over the whole range of its axis, about */
+#define RECORDS 1024u            /* cells of a search, at most: four rays of 75 steps, and as many halvings as a step has bits */
 
 typedef struct {
     double lo, hi;               /* searched [rpm], [kN] */
@@ -35,6 +39,9 @@ typedef struct {
     ray rays[4];
     const ray *best[2];          /* by speed, by weight; 0: none within the range */
     double lowest[2];            /* smallest P met on each axis */
+    journal log;
+    uint32_t ran;                /* cells so far, in an order that their results decide: the same in every run */
+    cell known[RECORDS];         /* what an earlier run had found of each */
 } advice;
 
 static const option_help advise_options[] = {
@@ -52,13 +59,14 @@ static const option_help advise_options[] = {
 
 const command_help advise_help = {
     .brief = "the nearest speed, and the nearest weight, at which P(stick-slip) is under a limit",
-    .synopsis = "--rpm R --wob W [case] [--below P] [--samples N] [--json F] ...",
-    .takes = TAKES_CASE | TAKES_JSON,
+    .synopsis = "--rpm R --wob W [case] [--below P] [--samples N] [--json F] [--resume] ...",
+    .takes = TAKES_CASE | TAKES_JSON | TAKES_RESUME,
     .own = advise_options,
     .notes = "Speed and weight are changed one at a time, with the same realisations everywhere; f0 keeps its ratio to the weight unless\n"
              "--f0 is given. Each axis is searched outwards in steps of a fiftieth of its range, then to 0.1 rpm or 0.1 kN, for the smallest\n"
              "change whose P (refused realisations counted as stuck) is below the limit. The interval is printed beside it: with more\n"
-             "--samples it narrows. --start rotating advises for a string that already turns.",
+             "--samples it narrows. --start rotating advises for a string that already turns.\n"
+             "F.json.journal beside the JSON holds what is done and goes when all is written.",
     .example = "kelly advise --rpm 100 --wob 100 --mu 0.004 --start rotating --below 0.05",
 };
 
@@ -111,12 +119,51 @@ static void parse(advice *a, int argc, char **argv)
     if (has_option(argc, argv, "--csv") || has_option(argc, argv, "--convergence")) {
         die(EXIT_USAGE, "advise: %s does not belong here; see kelly advise --help", has_option(argc, argv, "--csv") ? "--csv" : "--convergence");
     }
-    options_parse(&a->opts, argc, argv, TAKES_CASE | TAKES_ENSEMBLE | TAKES_JSON, "advise", 0, 0);
+    options_parse(&a->opts, argc, argv, TAKES_CASE | TAKES_ENSEMBLE | TAKES_JSON | TAKES_RESUME, "advise", 0, 0);
     a->limit = below ? option_number("--below", below, 1e-9, 1.0, "a probability, 0 < P <= 1, e.g. 0.05") : 0.05;
     a->how = (study){ .opts = &a->opts, .engine = engine_choose(a->opts.engine), .silent = 1 };
     a->range[0] = parse_range("--search-rpm", rpm, at_rpm, at_rpm / 2, at_rpm * 2);
     a->range[1] = parse_range("--search-wob", wob, at_wob, at_wob / 4, at_wob * 2);
     a->now = (cell){ .rpm = at_rpm, .wob_kN = at_wob, .f0_kN = f0_at(&a->opts, a->f0_given, at_wob), .rotating = a->opts.run.rotating };
+}
+
+/* ---- journal --------------------------------------------------------------------------------------------------------- */
+
+static int take_record(void *context, uint32_t index, const uint8_t *payload)
+{
+    advice *const a = context;
+
+    cell_unpack(&a->known[index], payload);
+    return 1;
+}
+
+static void open_journal(advice *a)
+{
+    const char *const beside = outcome_beside(&a->opts);
+    char text[256];
+
+    snprintf(text, sizeof(text), "%08x %u %u %d %a %a %a %a %a %a %a", case_identity(&a->opts.run), a->opts.samples, a->opts.first, a->f0_given,
+             a->limit, a->now.rpm, a->now.wob_kN, a->range[0].lo, a->range[0].hi, a->range[1].lo, a->range[1].hi);
+    if (beside) {
+        journal_open(&a->log, beside, &(journal_run){ .kind = "advise", .model = kelly_string.id, .seed = a->opts.seed,
+                     .parameters = kelly_crc32c(0, (const uint8_t *)text, strlen(text)), .records = RECORDS, .payload = CELL_PAYLOAD },
+                     a->opts.resume, take_record, a);
+        a->how.log = &a->log;
+    }
+}
+
+/* Run cells that have a setting, from where the journal leaves them. */
+static void run_cells(advice *a, cell *cells, uint32_t count)
+{
+    for (uint32_t k = 0; k < count && a->ran + count <= RECORDS; k++) {
+        const cell *const known = &a->known[a->ran + k];
+
+        cells[k].tally = known->tally;
+        cells[k].lo = known->lo;
+        cells[k].hi = known->hi;
+    }
+    cells_run(&a->how, cells, count, a->ran);
+    a->ran += count;
 }
 
 /* ---- the search -------------------------------------------------------------------------------------------------------- */
@@ -187,7 +234,7 @@ static unsigned advance(advice *a)
         }
     }
     if (count > 0) {
-        cells_run(&a->how, cells, count, 0);
+        run_cells(a, cells, count);
     }
     for (unsigned k = 0; k < count; k++) {
         ray *const r = which[k];
@@ -311,17 +358,24 @@ int command_advise(int argc, char **argv)
     outfile json = { 0 };
 
     parse(&a, argc, argv);
+    if (team_rank() > 0) {
+        cells_follow(&a.how);
+        return EXIT_DONE;
+    }
     if (a.opts.json) {
         outfile_open(&json, a.opts.json);
     }
-    cells_run(&a.how, &a.now, 1, 0);
+    open_journal(&a);
+    run_cells(&a, &a.now, 1);
     if (!(cautious(&a.now) < a.limit)) {
         search(&a);
     }
+    team_dismiss();
     if (a.opts.json) {
         write_json(json.stream, &a);
         outfile_close(&json);
     }
+    journal_remove(&a.log);
     if (!a.opts.quiet && !(a.opts.json && strcmp(a.opts.json, "-") == 0)) {
         print_advice(&a);
     }

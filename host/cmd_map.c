@@ -2,11 +2,11 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "../firmware/link/crc32c.h"
 #include "map.h"
+#include "team.h"
 
 #define WIDTH_MIN 0.002          /* of --adaptive: a million realisations in the worst cell */
 
@@ -16,7 +16,7 @@ typedef struct {
     study how;
     driller_map map;
     const char *npy;
-    int f0_given, resume;
+    int f0_given;
     journal log;
 } map_run;
 
@@ -27,7 +27,6 @@ static const option_help map_options[] = {
     { "--npy", "F", "P as float64, shape (2 starts: rest and rotating, weights, speeds); - is stdout" },
     { "--adaptive", "W", "a cell ends once its interval is narrower than W, 0.002..1, or P is shown to lie on one side of 0.5; at most --samples "
       "each (default: as many as W needs)" },
-    { "--resume", 0, "go on from the journal that an interrupted run left beside its output" },
     { "--samples", "N", "realisations of every cell (default 400)" },
     { "--csv", "F", "a line a cell; - is stdout" },
     { "--cov", "D", "coefficients of variation 0..0.5: one for all, or fc=D,mu=D,a1=D,a2=D,rpm=D (default: the well file's)" },
@@ -41,7 +40,7 @@ static const option_help map_options[] = {
 const command_help map_help = {
     .brief = "P(stick-slip) over speed and weight, from rest and already rotating",
     .synopsis = "[--rpm A:B:S] [--wob A:B:S] [--samples N] [case] [--json F] [--csv F] [--npy F] [--resume] ...",
-    .takes = TAKES_CASE | TAKES_JSON,
+    .takes = TAKES_CASE | TAKES_JSON | TAKES_RESUME,
     .without = "--start",
     .own = map_options,
     .notes = "Every cell runs the same realisations, those of montecarlo with its speed, weight, f0 and start, bit for bit.\n"
@@ -91,13 +90,12 @@ static void parse(map_run *m, int argc, char **argv)
     const int samples_given = has_option(argc, argv, "--samples");
 
     m->npy = take_option(&argc, argv, "--npy");
-    m->resume = take_option(&argc, argv, "--resume") != 0;
     m->f0_given = has_option(argc, argv, "--f0");
     if (has_option(argc, argv, "--start") || has_option(argc, argv, "--convergence")) {
         die(EXIT_USAGE, "map: %s does not belong here%s", has_option(argc, argv, "--start") ? "--start" : "--convergence",
             has_option(argc, argv, "--start") ? ": a map shows both starts" : "; see kelly map --help");
     }
-    options_parse(&m->opts, argc, argv, TAKES_CASE | TAKES_ENSEMBLE | TAKES_JSON, "map", 0, 0);
+    options_parse(&m->opts, argc, argv, TAKES_CASE | TAKES_ENSEMBLE | TAKES_JSON | TAKES_RESUME, "map", 0, 0);
     parse_adaptive(m, width, samples_given);
     m->map.rpm = axis_parse("--rpm", rpm ? rpm : "40:140:5", 1e-3, 1e4, "rpm");
     m->map.wob = axis_parse("--wob", wob ? wob : "25:225:10", 1e-3, 1e6, "kN");
@@ -111,12 +109,11 @@ static void parse(map_run *m, int argc, char **argv)
 
 /* ---- journal --------------------------------------------------------------------------------------------------------- */
 
-/* CRC-32C of all that the cells depend on: version, grid, samples, case. Numbers as hexadecimal floats, exact. */
+/* CRC-32C of all that the cells depend on: case, grid, samples. Numbers as hexadecimal floats, exact. */
 static uint32_t parameters(const map_run *m)
 {
-    const kelly_case *const r = &m->opts.run;
-    char text[512];
-    uint32_t crc = 0;
+    char text[64];
+    uint32_t crc = case_identity(&m->opts.run);
 
     for (unsigned a = 0; a < 2; a++) {
         const axis *const at = a ? &m->map.wob : &m->map.rpm;
@@ -127,27 +124,16 @@ static uint32_t parameters(const map_run *m)
             crc = kelly_crc32c(crc, (const uint8_t *)text, (size_t)n);
         }
     }
-    snprintf(text, sizeof(text), "%s %u %u %a f0 %d %a mu %a %a %a cov %a %a %a %a %a limit %a time %u %u %u %u modes %u drive %a %a %a", KELLY_VERSION,
-             m->opts.samples, m->opts.first, m->how.width, m->f0_given, m->f0_given ? (double)r->f0 : 0.0, (double)r->mu, (double)r->a1,
-             (double)r->a2, (double)r->cov[0], (double)r->cov[1], (double)r->cov[2], (double)r->cov[3], (double)r->cov[4],
-             (double)r->limit, r->step_ns, r->ticks, r->window_first, r->window_last, r->torsional,
-             (double)r->drive.inertia, (double)r->drive.impedance, (double)r->drive.hz);
+    snprintf(text, sizeof(text), "%u %u %a f0 %d", m->opts.samples, m->opts.first, m->how.width, m->f0_given);
     return kelly_crc32c(crc, (const uint8_t *)text, strlen(text));
 }
 
-static void take_record(void *context, uint32_t index, const uint8_t *payload)
+static int take_record(void *context, uint32_t index, const uint8_t *payload)
 {
     driller_map *const map = context;
 
     cell_unpack(&map->cells[index], payload);
-}
-
-/* A file that will be renamed into its place can have a journal beside it; stdout and devices cannot. */
-static int is_file(const char *path)
-{
-    struct stat there;
-
-    return path && strcmp(path, "-") != 0 && (stat(path, &there) != 0 || S_ISREG(there.st_mode));
+    return 1;
 }
 
 static void open_journal(map_run *m)
@@ -159,13 +145,13 @@ static void open_journal(map_run *m)
         if (outputs[i]) {
             check_output(outputs[i]);
         }
-        beside = beside ? beside : is_file(outputs[i]) ? outputs[i] : 0;
+        beside = beside ? beside : is_plain_file(outputs[i]) ? outputs[i] : 0;
     }
     if (beside) {
         journal_open(&m->log, beside, &(journal_run){ .kind = "map", .model = kelly_string.id, .seed = m->opts.seed, .parameters = parameters(m),
-                     .records = m->map.records, .payload = CELL_PAYLOAD }, m->resume, take_record, &m->map);
+                     .records = m->map.records, .payload = CELL_PAYLOAD }, m->opts.resume, take_record, &m->map);
         m->how.log = &m->log;
-    } else if (m->resume) {
+    } else if (m->opts.resume) {
         die(EXIT_USAGE, "--resume: there is no journal without an output file; give --csv, --json or --npy");
     }
 }
@@ -207,14 +193,17 @@ int command_map(int argc, char **argv)
     if (!map_lay_out(&m.map, &m.opts, m.f0_given)) {
         die(EXIT_FAILED, "map: out of memory for %u cells; give a smaller grid", m.map.rpm.count * m.map.wob.count);
     }
+    if (team_rank() > 0) {
+        cells_follow(&m.how);
+        return EXIT_DONE;
+    }
     open_journal(&m);
     ensembles = 2 * m.map.wob.count * (m.map.rpm.count + m.map.scan.count);
     cells_run(&m.how, m.map.cells, ensembles, 0);
     edges_find(&m.how, &m.map);
+    team_dismiss();
     write_outputs(&m);
-    if (m.how.log) {
-        journal_remove(&m.log);
-    }
+    journal_remove(&m.log);
     if (!m.opts.quiet && !on_stdout(m.opts.csv) && !on_stdout(m.opts.json) && !on_stdout(m.npy)) {
         print_map(&m.map, &m.how);
     }

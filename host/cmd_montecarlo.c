@@ -1,6 +1,7 @@
 /* cmd_montecarlo.c - the probability of stick-slip. */
 #include "map.h"
 #include "outcome.h"
+#include "team.h"
 
 static const kelly_engine *engine;   /* chosen once, before the threads start */
 
@@ -11,14 +12,17 @@ static void work_piece(const options *opts, uint32_t first, uint32_t count, void
 
 const command_help montecarlo_help = {
     .brief = "probability of stick-slip with its 95 % interval",
-    .synopsis = "[case] [--samples N] [--cov D] [--seed S] [--json F] [--csv F] ...",
-    .takes = TAKES_CASE | TAKES_ENSEMBLE | TAKES_JSON,
+    .synopsis = "[case] [--samples N] [--cov D] [--seed S] [--json F] [--csv F] [--resume] ...",
+    .takes = TAKES_CASE | TAKES_ENSEMBLE | TAKES_JSON | TAKES_RESUME,
     .own = envelope_options,
     .also = until_options,
     .notes = "CSV: index,fc_kN,mu,alpha1,alpha2,rpm,bit_min_rpm,bit_max_rpm,bit_mean_rpm,ss,stuck,status,liftoff.\n"
              "ss = (max - min)/(max + min) of the bit speed over the window decides (10 where max + min <= 0);\n"
              "SSI = (max - min)/(2 mean), the index of rig displays, is reported beside it (JSON: ssi).\n"
-             "A realisation that cannot be trusted has a status (step, range, nonfinite) and is never counted.",
+             "A realisation that cannot be trusted has a status (step, range, nonfinite) and is never counted.\n"
+             "OUTPUT.journal beside the first output, CSV or JSON, holds what is done, 48 bytes a realisation (88 in double), and goes when all\n"
+             "is written; OUTPUT.convergence.journal is that of --convergence. --resume runs only what is missing in them; --envelope and\n"
+             "--traces, which hold all in memory, run again.",
     .example = "kelly montecarlo --mu 0.004 --samples 4000 --json run.json --csv runs.csv",
 };
 
@@ -33,22 +37,30 @@ int command_montecarlo(int argc, char **argv)
 {
     static outcome out;
     options opts;
+    const char *beside;
 
-    options_parse(&opts, argc, argv, TAKES_CASE | TAKES_ENSEMBLE | TAKES_JSON, "montecarlo", own_option, &out);
+    options_parse(&opts, argc, argv, montecarlo_help.takes, "montecarlo", own_option, &out);
     if (out.until.rule.alpha > 0 && !has_option(argc, argv, "--samples")) {
         opts.samples = UNTIL_MOST < UINT32_MAX - opts.first ? UNTIL_MOST : UINT32_MAX - opts.first;
     }
-    envelope_reserve(&out.envelope, &opts);
+    beside = outcome_beside(&opts);
     engine = engine_choose(opts.engine);
-    outcome_open(&out, &opts, engine->name);
-    run_job(&opts, &(job){ .work = work_piece, .work_size = engine->work_size, .result_size = sizeof(kelly_result),
-                           .width = engine->width, .lanes = engine_lanes(engine, &opts.run),
-                           .enough = out.until.rule.alpha > 0 ? &out.until.enough : 0 }, outcome_take, &out);
-    opts.samples = out.tally.samples;   /* of a run that stopped itself, all that follows is about these */
-    if (opts.convergence) {
-        convergence_run(&opts, &out.convergence);
+    if (team_rank() == 0) {
+        envelope_reserve(&out.envelope, &opts);
+        outcome_open(&out, &opts, engine->name);
     }
-    envelope_run(&out.envelope, &opts);
-    outcome_close(&out);
+    run_job(&opts, &(job){ .work = work_piece, .work_size = engine->work_size, .result_size = sizeof(kelly_result),
+                           .width = engine->width, .lanes = engine_lanes(engine, &opts.run), .log = beside ? &out.log : 0, .beside = beside,
+                           .kind = "montecarlo", .enough = out.until.rule.alpha > 0 ? &out.until.enough : 0 }, outcome_take, &out);
+    if (team_rank() == 0) {
+        opts.samples = out.tally.samples;   /* of a run that stopped itself, all that follows is about these */
+    }
+    if (opts.convergence) {
+        convergence_run(&opts, beside, &out.convergence_log, &out.convergence);
+    }
+    if (team_rank() == 0) {
+        envelope_run(&out.envelope, &opts);
+        outcome_close(&out);
+    }
     return EXIT_DONE;
 }

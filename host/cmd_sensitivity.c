@@ -3,12 +3,11 @@
 #include <string.h>
 #include <time.h>
 
-#include "host.h"
+#include "outcome.h"
+#include "team.h"
 
-#define LISTED 100u              /* left-out rows that are named one by one */
 #define SS_MOST 10.0             /* what ss is where max + min <= 0; nothing counts for more */
 
-static const char *const status_names[KELLY_STATUSES] = { "ok", "step", "range", "nonfinite" };
 static const char *const names[KELLY_PARAMETERS] = { "fc", "mu", "a1", "a2", "rpm" };
 
 enum { OF_STUCK, OF_SS, MEASURES };
@@ -25,7 +24,7 @@ typedef struct {
     uint32_t refused[LISTED];
     uint8_t why[LISTED];
     double seconds;
-} outcome;
+} findings;
 
 static const kelly_engine *engine;   /* chosen once, before the threads start */
 
@@ -63,7 +62,7 @@ static uint8_t row_status(const kelly_result *r, unsigned runs)
     return KELLY_OK;
 }
 
-static void take_row(outcome *out, uint32_t index, const kelly_result *r, unsigned runs)
+static void take_row(findings *out, uint32_t index, const kelly_result *r, unsigned runs)
 {
     const uint8_t status = row_status(r, runs);
     double f[MEASURES][KELLY_SOBOL_ROW];
@@ -89,7 +88,7 @@ static void take_row(outcome *out, uint32_t index, const kelly_result *r, unsign
 
 static void take_batch(void *context, uint32_t first, uint32_t count, const void *results)
 {
-    outcome *const out = context;
+    findings *const out = context;
     const kelly_result *const r = results;
     const unsigned runs = 2 + out->random;
 
@@ -98,7 +97,7 @@ static void take_batch(void *context, uint32_t first, uint32_t count, const void
     }
 }
 
-static uint32_t listed(const outcome *out)
+static uint32_t listed(const findings *out)
 {
     return out->left_out < LISTED ? out->left_out : LISTED;
 }
@@ -109,7 +108,7 @@ static void write_estimate(FILE *to, const kelly_estimate *e)
 }
 
 /* Both indices of every parameter; null where there are none, one that is not random has none. */
-static void write_measure(FILE *to, const outcome *out, unsigned m)
+static void write_measure(FILE *to, const findings *out, unsigned m)
 {
     const kelly_sobol *const s = &out->of[m];
     wide mean, variance;
@@ -133,7 +132,7 @@ static void write_measure(FILE *to, const outcome *out, unsigned m)
     fputs("}},\n", to);
 }
 
-static void write_json(FILE *to, const outcome *out)
+static void write_json(FILE *to, const findings *out)
 {
     const kelly_case *const run = &out->opts->run;
     char drive[DRIVE_TEXT];
@@ -159,7 +158,7 @@ static void write_json(FILE *to, const outcome *out)
             kelly_string.id, out->engine->name, out->seconds);
 }
 
-static void print_measure(const outcome *out, unsigned m)
+static void print_measure(const findings *out, unsigned m)
 {
     const kelly_sobol *const s = &out->of[m];
     wide mean, variance;
@@ -178,7 +177,7 @@ static void print_measure(const outcome *out, unsigned m)
     }
 }
 
-static void print_outcome(const outcome *out)
+static void print_outcome(const findings *out)
 {
     const kelly_case *const run = &out->opts->run;
     char drive[DRIVE_TEXT];
@@ -218,24 +217,27 @@ static const option_help own_options[] = {
 
 const command_help sensitivity_help = {
     .brief = "which random parameter P and the severity depend on (Sobol indices)",
-    .synopsis = "[case] [--samples N] [--cov D] [--seed S] [--json F] ...",
-    .takes = TAKES_CASE | TAKES_JSON,
+    .synopsis = "[case] [--samples N] [--cov D] [--seed S] [--json F] [--resume] ...",
+    .takes = TAKES_CASE | TAKES_JSON | TAKES_RESUME,
     .own = own_options,
     .notes = "A sample is a row of 7 realisations: A, B, and A with one parameter of B for each that is random (--cov).\n"
              "first: share of the variance that goes once this parameter is known. total: share that stays while it alone is not.\n"
              "Their sum differs from 1 as far as parameters act together. Intervals of 95 % by the jackknife; they may pass 0 and 1.\n"
-             "probability: of the indicator ss > limit; ss: of the severity itself, 10 at most. A row with a refused run is left out and named.",
+             "probability: of the indicator ss > limit; ss: of the severity itself, 10 at most. A row with a refused run is left out and named.\n"
+             "F.json.journal beside the JSON holds what is done and goes when all is written.",
     .example = "kelly sensitivity --mu 0.004 --samples 2000 --json sobol.json",
 };
 
 int command_sensitivity(int argc, char **argv)
 {
-    static outcome out;
+    static findings out;
+    static journal log;
     options opts;
     outfile json = { 0 };
+    const char *beside;
     const double start = now();
 
-    options_parse(&opts, argc, argv, TAKES_CASE | TAKES_ENSEMBLE | TAKES_JSON, "sensitivity", 0, 0);
+    options_parse(&opts, argc, argv, TAKES_CASE | TAKES_ENSEMBLE | TAKES_JSON | TAKES_RESUME, "sensitivity", 0, 0);
     if (opts.csv || opts.convergence) {
         die(EXIT_USAGE, "%s does not belong to sensitivity; give --json F", opts.csv ? "--csv" : "--convergence");
     }
@@ -249,17 +251,22 @@ int command_sensitivity(int argc, char **argv)
     for (unsigned m = 0; m < MEASURES; m++) {
         kelly_sobol_clear(&out.of[m], out.random);
     }
-    if (opts.json) {
+    beside = outcome_beside(&opts);
+    if (opts.json && team_rank() == 0) {
         outfile_open(&json, opts.json);
     }
     run_job(&opts, &(job){ .work = work_rows, .work_size = draws_at() + (size_t)engine->width * KELLY_SOBOL_ROW * sizeof(kelly_draw),
-                           .result_size = (2 + out.random) * sizeof(kelly_result), .width = engine->width, .lanes = engine->width },
-            take_batch, &out);
+                           .result_size = (2 + out.random) * sizeof(kelly_result), .width = engine->width, .lanes = engine->width,
+                           .log = beside ? &log : 0, .beside = beside, .kind = "sensitivity" }, take_batch, &out);
+    if (team_rank() > 0) {
+        return EXIT_DONE;
+    }
     out.seconds = now() - start;
     if (opts.json) {
         write_json(json.stream, &out);
         outfile_close(&json);
     }
+    journal_remove(&log);
     if (!opts.quiet && !(opts.json && strcmp(opts.json, "-") == 0)) {
         print_outcome(&out);
     }

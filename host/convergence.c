@@ -9,6 +9,7 @@
 #include <math.h>
 
 #include "host.h"
+#include "journal.h"
 
 typedef struct {
     kelly_plant plant;
@@ -127,12 +128,15 @@ static void take_batch(void *context, uint32_t first, uint32_t count, const void
     }
 }
 
-void convergence_run(const options *opts, convergence_table *table)
+void convergence_run(const options *opts, const char *beside, journal *log, convergence_table *table)
 {
     fold f = { .table = table };
+    char path[4096];
 
+    snprintf(path, sizeof(path), "%s.convergence", beside ? beside : "");
     *table = (convergence_table){ 0 };
-    run_job(opts, &(job){ .work = work_piece, .work_size = sizeof(scratch), .result_size = sizeof(double), .width = 1, .lanes = 4 },
-            take_batch, &f);
+    run_job(opts, &(job){ .work = work_piece, .work_size = sizeof(scratch), .result_size = sizeof(double), .width = 1, .lanes = 4,
+                        .log = beside ? log : 0, .beside = path, .kind = "convergence",
+                        .also = opts->out_ticks ^ (uint32_t)opts->run.axial << 24 }, take_batch, &f);
     report(&f);
 }

@@ -103,7 +103,7 @@ static double memory_free(void)
 static double memory_needed(const options *opts)
 {
     const uint32_t points = opts->run.ticks / opts->out_ticks + 1;
-    const double times = points, threads = opts->threads ? opts->threads : processors();
+    const double times = points, threads = threads_of(opts);
 
     return (double)opts->samples * (QUANTITIES * times * sizeof(real) + threads * COLUMN * sizeof(real) + 1) + times * sizeof(row);
 }
@@ -334,7 +334,7 @@ static void write_envelope(FILE *to, const char *path, const options *opts)
     by_time.samples = store.times;
     write_names(&w);
     run_job(&by_time, &(job){ .work = rows_piece, .work_size = (size_t)store.used * COLUMN * sizeof(real), .result_size = sizeof(row),
-                              .width = COLUMN, .lanes = COLUMN * 8 }, write_rows, &w);
+                              .width = COLUMN, .lanes = COLUMN * 8, .lead_alone = 1 }, write_rows, &w);
 }
 
 static void write_traces(FILE *to, unsigned quantity)
@@ -359,7 +359,8 @@ void envelope_run(envelope_request *ask, const options *opts)
     if (!ask->envelope && !ask->traces) {
         return;
     }
-    run_job(opts, &(job){ .work = run_piece, .work_size = sizeof(kelly_plant), .result_size = 1, .width = 1, .lanes = 4 }, count_used, 0);
+    run_job(opts, &(job){ .work = run_piece, .work_size = sizeof(kelly_plant), .result_size = 1, .width = 1, .lanes = 4,
+                          .lead_alone = 1 }, count_used, 0);
     if (ask->envelope && store.used == 0) {
         die(EXIT_FAILED, "--envelope %s: every realisation was refused, so there is nothing to take quantiles of", ask->envelope);
     }

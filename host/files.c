@@ -1,13 +1,16 @@
 /* files.c - messages, and files that appear whole or not at all. */
 #include <errno.h>
+#include <fcntl.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "host.h"
+#include "team.h"
 
 #define OPEN_MAX_FILES 8u
 
@@ -64,12 +67,15 @@ _Noreturn void die(int status, const char *format, ...)
 {
     va_list args;
 
-    va_start(args, format);
-    fputs("kelly: ", stderr);
-    vfprintf(stderr, format, args);
-    fputc('\n', stderr);
-    va_end(args);
+    if (team_rank() == 0 || status != EXIT_USAGE) {   /* a mistake in the arguments is found by all; one says so */
+        va_start(args, format);
+        fputs("kelly: ", stderr);
+        vfprintf(stderr, format, args);
+        fputc('\n', stderr);
+        va_end(args);
+    }
     remove_temporaries();
+    team_abort(status);
     exit(status);
 }
 
@@ -81,14 +87,39 @@ static int special(const char *path)
     return stat(path, &there) == 0 && !S_ISREG(there.st_mode);
 }
 
+/* A file that its last writer renamed or removed between the opening and the lock is not the one at the path any more: again. */
+int open_locked(const char *path)
+{
+    struct stat here, there;
+
+    for (;;) {
+        const int fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_APPEND | O_NOFOLLOW, 0666);
+
+        if (fd < 0 || fstat(fd, &here) != 0) {
+            die(EXIT_FAILED, "%s: cannot write here: %s", path, strerror(errno));
+        }
+        if (!S_ISREG(here.st_mode)) {
+            die(EXIT_USAGE, "%s: not a file; move it away", path);
+        }
+        if (flock(fd, LOCK_EX | LOCK_NB) != 0) {
+            die(EXIT_FAILED, "%s: %s", path, errno == EWOULDBLOCK ? "another process writes it; wait for it, or give another output" : strerror(errno));
+        }
+        if (stat(path, &there) == 0 && here.st_ino == there.st_ino && here.st_dev == there.st_dev) {
+            return fd;
+        }
+        close(fd);
+    }
+}
+
+int is_plain_file(const char *path)
+{
+    return path && strcmp(path, "-") != 0 && !special(path);
+}
+
 void outfile_open(outfile *file, const char *path)
 {
-    const mode_t mask = umask(0);
-    int fd;
-
-    umask(mask);
-    *file = (outfile){ 0 };
-    if (strcmp(path, "-") == 0 || special(path)) {
+    *file = (outfile){ .fd = -1 };
+    if (!is_plain_file(path)) {
         file->stream = strcmp(path, "-") == 0 ? stdout : fopen(path, "w");
         if (!file->stream) {
             die(EXIT_FAILED, "%s: cannot write here: %s", path, strerror(errno));
@@ -99,23 +130,18 @@ void outfile_open(outfile *file, const char *path)
     if (!file->path) {
         file->path = strdup(path);
     }
-    path = file->path ? file->path : path;
-    file->temporary = malloc(strlen(path) + 16);
-    if (!file->path || !file->temporary) {
+    file->temporary = file->path ? malloc(strlen(file->path) + sizeof(".part")) : 0;
+    if (!file->temporary) {
         die(EXIT_FAILED, "%s: out of memory", path);
     }
-    sprintf(file->temporary, "%s.XXXXXX", path);
-    fd = mkstemp(file->temporary);
-    if (fd < 0) {
-        die(EXIT_FAILED, "%s: cannot write here: %s", path, strerror(errno));
-    }
+    sprintf(file->temporary, "%s.part", file->path);
+    file->fd = open_locked(file->temporary);
     remember(file);
     catch_signals();
-    file->stream = fdopen(fd, "w");
+    file->stream = ftruncate(file->fd, 0) == 0 ? fdopen(file->fd, "w") : 0;
     if (!file->stream) {
-        die(EXIT_FAILED, "%s: cannot write here: %s", path, strerror(errno));
+        die(EXIT_FAILED, "%s: cannot write here: %s", file->path, strerror(errno));
     }
-    (void)fchmod(fd, 0666 & ~mask);
 }
 
 void outfile_close(outfile *file)
@@ -131,10 +157,13 @@ void outfile_close(outfile *file)
         }
         return;
     }
-    if (fclose(file->stream) != 0 || rename(file->temporary, file->path) != 0) {
+    if (fsync(file->fd) != 0 || rename(file->temporary, file->path) != 0) {   /* the lock is held until it has its name */
         die(EXIT_FAILED, "%s: could not be written: %s", file->path, strerror(errno));
     }
     forget(file);
+    if (fclose(file->stream) != 0) {
+        die(EXIT_FAILED, "%s: could not be written: %s", file->path, strerror(errno));
+    }
     free(file->path);
     free(file->temporary);
 }

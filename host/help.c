@@ -47,6 +47,10 @@ static const option_help simulate_options[] = {
     { "--sample", "J", "realisation J of --seed and --cov instead of the nominal case" },
     { 0 },
 };
+static const option_help resume_options[] = {
+    { "--resume", 0, "go on from the journal that an interrupted run left beside its output, OUTPUT.journal" },
+    { 0 },
+};
 static const option_help json_options[] = {
     { "--json", "F", "the result as JSON; - is stdout" },
     { 0 },
@@ -64,6 +68,7 @@ static const option_group groups[] = {
     { "Ensemble", TAKES_ENSEMBLE, ensemble_options },
     { "Output", TAKES_SIMULATE, simulate_options },
     { "Result", TAKES_JSON, json_options },
+    { "Interrupted", TAKES_RESUME, resume_options },
 };
 
 /* Values that a run uses when nothing else is said, in the order of case_options. */

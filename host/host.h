@@ -29,6 +29,7 @@ typedef struct {
     const char *json, *csv, *out; /* paths, "-" for stdout, or 0 */
     const char *engine;           /* vector unit by name, or 0 for the widest */
     const char *field;            /* simulate: displacement and twist along the string, F.npy or F.csv, or 0 */
+    int resume;                   /* go on from the journal */
     int quiet;                    /* no summary */
     int progress;                 /* PROGRESS_... */
 } options;
@@ -36,7 +37,7 @@ typedef struct {
 enum { PROGRESS_AUTO, PROGRESS_JSON, PROGRESS_NONE };
 
 /* Options that a subcommand takes, or'ed. */
-enum { TAKES_CASE = 1, TAKES_ENSEMBLE = 2, TAKES_SIMULATE = 4, TAKES_JSON = 8, TAKES_BENCH = 16 };
+enum { TAKES_CASE = 1, TAKES_ENSEMBLE = 2, TAKES_SIMULATE = 4, TAKES_JSON = 8, TAKES_BENCH = 16, TAKES_RESUME = 32 };
 
 /* A subcommand's own options: 1 if it knows this name and took the value, 0 if not; dies with exit 2 on a bad value. */
 typedef int (*more_options)(void *context, const char *name, const char *value);
@@ -87,6 +88,7 @@ typedef struct {
     const char *name;
     int (*run)(int argc, char **argv);
     const command_help *help;
+    int shared;                   /* the other processes of a team take part */
 } subcommand;
 
 extern const subcommand commands[];
@@ -120,17 +122,25 @@ void progress_end(const options *opts, uint64_t total, double seconds);
 
 /* ---- files --------------------------------------------------------------------------------------------------- */
 
-/* A file that appears whole or not at all: written beside its place and renamed when it is closed. */
+/* A file that appears whole or not at all: written as PATH.part and renamed when it is closed. What a killed run leaves of it, the next
+ * one takes over. */
 typedef struct {
     FILE *stream;
     char *path, *temporary;       /* both 0 for stdout */
+    int fd;                       /* of the stream, where there is a path */
 } outfile;
 
-/* Open for writing ("-": stdout); dies with exit 1 if that cannot be done. */
+/* Open for writing ("-": stdout); dies with exit 1 if that cannot be done, or another process writes there. */
 void outfile_open(outfile *file, const char *path);
 
-/* Flush, check and rename; dies with exit 1, leaving nothing behind, if any byte was lost. */
+/* Flush, check, sync and rename; dies with exit 1, leaving nothing behind, if any byte was lost. */
 void outfile_close(outfile *file);
+
+/* Open for reading and for writing at its end, made where it is not there, locked until it is closed. Dies like outfile_open. */
+int open_locked(const char *path);
+
+/* Whether it names a file that will be renamed into its place, or 0: stdout, devices, no path. */
+int is_plain_file(const char *path);
 
 /* Header of a NPY 1.0 file, what numpy.load reads: type "<f8" or a list of fields as Python writes it, and the shape. Raw values in
  * C order follow; `<` in the type stands for this machine's byte order. */
@@ -170,11 +180,16 @@ unsigned engine_lanes(const kelly_engine *engine, const kelly_case *run);
 
 unsigned processors(void);
 
+/* Threads of this process: those that were asked for, or one a processor; in a team one. */
+unsigned threads_of(const options *opts);
+
 /* Work on one piece of a batch: realisations first .. first + count - 1 into results[0..count-1]. */
 typedef void (*piece_work)(const options *opts, uint32_t first, uint32_t count, void *results, void *work);
 
 /* What is handed each finished batch, in the order of the indices. */
 typedef void (*batch_sink)(void *context, uint32_t first, uint32_t count, const void *results);
+
+struct journal;
 
 typedef struct {
     piece_work work;
@@ -182,9 +197,14 @@ typedef struct {
     size_t result_size;           /* of one realisation [bytes] */
     unsigned width, lanes;        /* pieces are whole vectors of `width`, at most `lanes` realisations */
     const int *enough;            /* or 0: once the sink has set it, no further batch is begun; batches are short then */
+    struct journal *log;          /* or 0; opened here, removed by the caller when its files are in their places */
+    const char *beside, *kind;    /* where the journal lies, and whose it is: see journal.h */
+    uint32_t also;                /* what results depend on besides string, precision, case_identity, seed and index */
+    int lead_alone;               /* of several processes the first alone runs them: `work` leaves more behind than results */
 } job;
 
-/* Run all realisations of opts over its threads; results reach the sink in index order. Memory does not grow with samples. */
+/* Run all realisations of opts over its threads, and the other processes of a team, but those that the journal holds; results reach the
+ * sink in index order, of the first process alone. Memory does not grow with samples. */
 void run_job(const options *opts, const job *what, batch_sink sink, void *context);
 
 /* --until-width and --until-decided: where to stop before all samples are run; see until.c. Start from zeros. */
@@ -206,6 +226,9 @@ int until_look(until_request *ask, const kelly_tally *tally);
 void until_write(FILE *to, const until_request *ask, uint32_t most);
 void until_print(const until_request *ask, uint32_t n);
 
+/* A status as files and screens show it. */
+extern const char *const status_names[KELLY_STATUSES];
+
 /* ---- subcommands --------------------------------------------------------------------------------------------- */
 
 int command_modes(int argc, char **argv);
@@ -220,7 +243,8 @@ int command_manual(int argc, char **argv);
 extern const command_help modes_help, simulate_help, montecarlo_help, map_help, advise_help, manual_help;
 extern const command_help sensitivity_help, whatif_help, bench_help;
 
-/* The paper's convergence function over the realisations of opts: writes value[i] at checkpoint n[i]; see convergence.c. */
+/* The paper's convergence function over the realisations of opts: writes value[i] at checkpoint n[i]; see convergence.c. Its journal, where
+ * there is an output for it to lie beside, is OUTPUT.convergence.journal; the caller removes it. */
 #define CHECKPOINTS_MAX 40
 typedef struct {
     unsigned count;
@@ -228,7 +252,7 @@ typedef struct {
     double value[CHECKPOINTS_MAX];
 } convergence_table;
 
-void convergence_run(const options *opts, convergence_table *table);
+void convergence_run(const options *opts, const char *beside, struct journal *log, convergence_table *table);
 
 /* Statistics in time, and traces, of the realisations of opts; see envelope.c. Start from zeros. */
 typedef struct {

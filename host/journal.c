@@ -1,10 +1,8 @@
 #include "journal.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
@@ -16,6 +14,7 @@
 #define VERSION 1u
 #define SYNC_EVERY 5.0           /* [s] */
 #define RECORD_MAX (JOURNAL_PAYLOAD_MAX + 8)
+#define TOGETHER 8u              /* records of the greatest size in one write */
 
 /* The header: where each field lies. Names are cut to their length; the CRC of the whole model id is in `parameters`. */
 enum { AT_VERSION = 8, AT_REAL = 12, AT_PAYLOAD = 16, AT_RECORDS = 20, AT_PARAMETERS = 24, AT_SEED = 28, AT_KIND = 36, AT_MODEL = 52,
@@ -39,6 +38,19 @@ static double now(void)
 
     clock_gettime(CLOCK_MONOTONIC, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* Numbers as hexadecimal floats, exact. The axial modes are none of it: they do not reach the bit's torsion. */
+uint32_t case_identity(const kelly_case *r)
+{
+    char text[640];
+
+    snprintf(text, sizeof(text), "%s rpm %a wob %a f0 %a mu %a %a %a cov %a %a %a %a %a limit %a time %u %u %u %u modes %u drive %a %a %a %s",
+             KELLY_VERSION, (double)r->w0, (double)r->fc, (double)r->f0, (double)r->mu, (double)r->a1, (double)r->a2, (double)r->cov[0],
+             (double)r->cov[1], (double)r->cov[2], (double)r->cov[3], (double)r->cov[4], (double)r->limit, r->step_ns, r->ticks,
+             r->window_first, r->window_last, r->torsional, (double)r->drive.inertia, (double)r->drive.impedance, (double)r->drive.hz,
+             r->rotating ? "rotating" : "rest");
+    return kelly_crc32c(0, (const uint8_t *)text, strlen(text));
 }
 
 static void make_header(uint8_t header[HEADER], const journal_run *run)
@@ -80,30 +92,6 @@ static void sync_now(journal *j)
         die(EXIT_FAILED, "%s: could not be written: %s; what it holds is sound, go on with --resume", j->path, strerror(errno));
     }
     j->synced = now();
-}
-
-/* Open and lock. A file that its last writer removed between the two is not the one at the path any more: again. */
-static void open_locked(journal *j)
-{
-    struct stat here;
-
-    for (;;) {
-        j->fd = open(j->path, O_RDWR | O_CREAT | O_CLOEXEC | O_APPEND, 0644);
-        if (j->fd < 0 || fstat(j->fd, &here) != 0) {
-            die(EXIT_FAILED, "%s: cannot write here: %s", j->path, strerror(errno));
-        }
-        if (!S_ISREG(here.st_mode)) {
-            die(EXIT_USAGE, "%s: not a file; move it away", j->path);
-        }
-        if (flock(j->fd, LOCK_EX | LOCK_NB) != 0) {
-            die(EXIT_FAILED, "%s: %s", j->path, errno == EWOULDBLOCK ? "another process writes it; wait for it, or give another output"
-                                                                   : strerror(errno));
-        }
-        if (fstat(j->fd, &here) == 0 && here.st_nlink > 0) {
-            return;
-        }
-        close(j->fd);
-    }
 }
 
 /* The first bytes of the file, as many as there are of a header. */
@@ -178,10 +166,9 @@ static off_t replay(const journal *j, const journal_run *run, journal_sink sink,
     while (fread(record, 1, size, in) == size) {
         const uint32_t index = get_u32(record);
 
-        if (get_u32(record + size - 4) != kelly_crc32c(0, record, size - 4) || index >= run->records) {
+        if (get_u32(record + size - 4) != kelly_crc32c(0, record, size - 4) || index >= run->records || !sink(context, index, record + 4)) {
             break;
         }
-        sink(context, index, record + 4);
         end += (off_t)size;
     }
     if (ferror(in)) {
@@ -251,7 +238,7 @@ void journal_open(journal *j, const char *output, const journal_run *run, int re
         die(EXIT_FAILED, "%s: out of memory", output);
     }
     sprintf(j->path, "%s.journal", output);
-    open_locked(j);
+    j->fd = open_locked(j->path);
     make_header(want, run);
     length = read_header(j, have);
     if (resume && length == HEADER) {
@@ -262,14 +249,24 @@ void journal_open(journal *j, const char *output, const journal_run *run, int re
     sync_now(j);
 }
 
-void journal_append(journal *j, uint32_t index, const uint8_t *payload)
+void journal_append(journal *j, uint32_t first, uint32_t count, const void *payloads)
 {
-    uint8_t record[RECORD_MAX];
+    const size_t size = j->payload + 8u;
+    const uint8_t *payload = payloads;
+    uint8_t records[TOGETHER * RECORD_MAX];
 
-    put_u32(record, index);
-    memcpy(record + 4, payload, j->payload);
-    put_u32(record + 4 + j->payload, kelly_crc32c(0, record, 4 + j->payload));
-    write_all(j, record, j->payload + 8u);
+    for (uint32_t done = 0; done < count;) {
+        size_t used = 0;
+
+        for (; done < count && used + size <= sizeof(records); done++, used += size, payload += j->payload) {
+            uint8_t *const record = records + used;
+
+            put_u32(record, first + done);
+            memcpy(record + 4, payload, j->payload);
+            put_u32(record + 4 + j->payload, kelly_crc32c(0, record, 4 + j->payload));
+        }
+        write_all(j, records, used);
+    }
     if (now() - j->synced > SYNC_EVERY) {
         sync_now(j);
     }
@@ -277,6 +274,9 @@ void journal_append(journal *j, uint32_t index, const uint8_t *payload)
 
 void journal_remove(journal *j)
 {
+    if (!j->path) {
+        return;
+    }
     if (unlink(j->path) != 0) {
         die(EXIT_FAILED, "%s: could not be removed: %s", j->path, strerror(errno));
     }

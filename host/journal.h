@@ -1,7 +1,7 @@
 /* journal.h - what a long run has done so far, so that nothing is computed twice and nothing is lost.
  *
  * A file OUTPUT.journal beside the output: a header that names the run, then records
- *     u32 index | payload | u32 CRC-32C of both          little-endian, one write each
+ *     u32 index | payload | u32 CRC-32C of both          little-endian
  * A record is there or it is not: what a crash tears off the end is dropped, and said, on the next start. Everything
  * behind the first unsound record counts as torn. An index may come more than once (a cell that has grown): the last
  * record holds. What an index means is the run's: a cell of a map, a realisation of an ensemble, a sample of a level.
@@ -12,9 +12,9 @@
 #ifndef KELLY_JOURNAL_H
 #define KELLY_JOURNAL_H
 
-#include <stdint.h>
+#include "../firmware/kelly.h"
 
-#define JOURNAL_PAYLOAD_MAX 240  /* bytes */
+#define JOURNAL_PAYLOAD_MAX 640  /* bytes */
 
 /* Whose records they are. Two runs whose records may stand for one another agree in all of it. */
 typedef struct {
@@ -26,26 +26,30 @@ typedef struct {
     uint32_t payload;            /* bytes of one record's payload, 1..JOURNAL_PAYLOAD_MAX */
 } journal_run;
 
-/* Fields are not to be touched. */
-typedef struct {
+/* Fields are not to be touched. Zeros: not open. */
+typedef struct journal {
     int fd;
     char *path;
     uint32_t payload;
     double synced;               /* when, monotonic [s] */
 } journal;
 
-/* Is handed each sound record of an earlier run, in the order in which they were written. */
-typedef void (*journal_sink)(void *context, uint32_t index, const uint8_t *payload);
+/* Is handed each sound record of an earlier run, in the order in which they were written; returns 0 for one that cannot be. */
+typedef int (*journal_sink)(void *context, uint32_t index, const uint8_t *payload);
+
+/* CRC-32C of a case and of the version: what realisations depend on besides string, precision, seed and index. */
+uint32_t case_identity(const kelly_case *run);
 
 /* Open `output`.journal, locked. With `resume`, hand what it holds to the sink; without, or where there is none, begin anew.
  * Dies with exit 2 for a journal of another run or a file that is no journal (which is left as it is), with exit 1
  * where another process writes it or the file cannot be read or written. Says on stderr what it drops. */
 void journal_open(journal *j, const char *output, const journal_run *run, int resume, journal_sink sink, void *context);
 
-/* Append one record; dies with exit 1 if it cannot be written (what lies there stays good). Not for two threads at once. */
-void journal_append(journal *j, uint32_t index, const uint8_t *payload);
+/* Append the records of indices first .. first + count - 1, payloads one behind the other, in few writes. Dies with exit 1 if that
+ * cannot be done (what lies there stays good). Not for two threads at once. */
+void journal_append(journal *j, uint32_t first, uint32_t count, const void *payloads);
 
-/* The output is in place: remove the journal. */
+/* The output is in place: remove the journal, where it is open. */
 void journal_remove(journal *j);
 
 /* Little-endian words for payloads. */

@@ -3,17 +3,18 @@
 #include <string.h>
 
 #include "host.h"
+#include "team.h"
 
 const subcommand commands[] = {
-    { "montecarlo", command_montecarlo, &montecarlo_help },
-    { "simulate", command_simulate, &simulate_help },
-    { "modes", command_modes, &modes_help },
-    { "map", command_map, &map_help },
-    { "advise", command_advise, &advise_help },
-    { "sensitivity", command_sensitivity, &sensitivity_help },
-    { "whatif", command_whatif, &whatif_help },
-    { "bench", command_bench, &bench_help },
-    { "manual", command_manual, &manual_help },
+    { "montecarlo", command_montecarlo, &montecarlo_help, 1 },
+    { "simulate", command_simulate, &simulate_help, 0 },
+    { "modes", command_modes, &modes_help, 0 },
+    { "map", command_map, &map_help, 1 },
+    { "advise", command_advise, &advise_help, 1 },
+    { "sensitivity", command_sensitivity, &sensitivity_help, 1 },
+    { "whatif", command_whatif, &whatif_help, 0 },
+    { "bench", command_bench, &bench_help, 0 },
+    { "manual", command_manual, &manual_help, 0 },
 };
 const unsigned command_count = sizeof(commands) / sizeof(commands[0]);
 
@@ -47,15 +48,21 @@ static int written(int status)
     return status;
 }
 
-/* Run a subcommand. */
+/* Run a subcommand. One that does not share its work is that of the first process of a team. */
 static int run(int argc, char **argv)
 {
     const subcommand *const c = command_named(argv[1]);
+    int status;
 
     if (!c) {
         no_command(argv[1]);
     }
-    return written(c->run(argc - 2, argv + 2));
+    if (team_rank() > 0 && !c->shared) {
+        return EXIT_DONE;
+    }
+    status = written(c->run(argc - 2, argv + 2));
+    team_end();
+    return status;
 }
 
 /* kelly --help, kelly help, kelly COMMAND ... --help, kelly help COMMAND: of that command, or of all. */
@@ -80,6 +87,9 @@ int main(int argc, char **argv)
 
     if (error) {
         die(EXIT_FAILED, "%s: %s", kelly_string.id, error);
+    }
+    if (team_rank() > 0 && !freopen("/dev/null", "w", stdout)) {   /* of several processes the first alone prints */
+        die(EXIT_FAILED, "/dev/null: cannot be opened: %s", strerror(errno));
     }
     for (int i = 1; i < argc; i++) {
         if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) {

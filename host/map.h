@@ -36,6 +36,9 @@ typedef struct {
 /* Run cells[0..count-1] to their ends, from where their tallies stand. `record`: index of cells[0] in the journal. */
 void cells_run(const study *s, cell *cells, uint32_t count, uint32_t record);
 
+/* The other processes of a team: run what cells_run of the first one gives, until that lets them go. */
+void cells_follow(const study *s);
+
 /* The case of a cell. */
 kelly_case cell_case(const study *s, const cell *c);
 

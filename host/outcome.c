@@ -2,25 +2,38 @@
 #include <string.h>
 #include <time.h>
 
+#include "../firmware/link/crc32c.h"
 #include "outcome.h"
 
 #define SHOWN 12u                /* refused realisations that are named on the terminal */
 #define DIGITS (sizeof(real) > sizeof(float) ? 17 : 9)
 
-static const char *const status_names[KELLY_STATUSES] = { "ok", "step", "range", "nonfinite" };
+const char *const status_names[KELLY_STATUSES] = { "ok", "step", "range", "nonfinite" };
 
-static void write_result(FILE *to, uint32_t index, const kelly_result *r)
+/* Text of the CSV, and its CRC for the JSON beside it: `kelly merge` asks whether the two belong together. */
+void outcome_lines(outcome *out, const char *text, size_t length)
+{
+    fwrite(text, 1, length, out->csv.stream);
+    if (out->opts->json) {
+        out->csv_crc = kelly_crc32c(out->csv_crc, (const uint8_t *)text, length);
+    }
+}
+
+static void write_result(outcome *out, uint32_t index, const kelly_result *r)
 {
     const kelly_draw *const d = &r->draw;
+    char line[512];              /* a number has at most 24 characters */
+    int n;
 
-    fprintf(to, "%u,%.*g,%.*g,%.*g,%.*g,%.*g,", index, DIGITS, (double)d->fc / 1000.0, DIGITS, (double)d->mu, DIGITS, (double)d->a1,
-            DIGITS, (double)d->a2, DIGITS, (double)d->w0 / RPM);
+    n = sprintf(line, "%u,%.*g,%.*g,%.*g,%.*g,%.*g,", index, DIGITS, (double)d->fc / 1000.0, DIGITS, (double)d->mu, DIGITS, (double)d->a1,
+                DIGITS, (double)d->a2, DIGITS, (double)d->w0 / RPM);
     if (r->status == KELLY_OK) {
-        fprintf(to, "%.*g,%.*g,%.*g,%.*g,%u,ok,%u\n", DIGITS, (double)r->lowest / RPM, DIGITS, (double)r->highest / RPM,
-                DIGITS, (double)r->mean / RPM, DIGITS, (double)r->ss, r->stuck, r->liftoff);
+        n += sprintf(line + n, "%.*g,%.*g,%.*g,%.*g,%u,ok,%u\n", DIGITS, (double)r->lowest / RPM, DIGITS, (double)r->highest / RPM,
+                     DIGITS, (double)r->mean / RPM, DIGITS, (double)r->ss, r->stuck, r->liftoff);
     } else {
-        fprintf(to, ",,,,0,%s,%u\n", status_names[r->status], r->liftoff);
+        n += sprintf(line + n, ",,,,0,%s,%u\n", status_names[r->status], r->liftoff);
     }
+    outcome_lines(out, line, (size_t)n);
 }
 
 /* The field's definition beside the paper's: a bit that does not get on at all (mean <= 0) is stuck in both. */
@@ -44,7 +57,7 @@ void outcome_take(void *context, uint32_t first, uint32_t count, const void *res
         kelly_tally_add(&out->tally, first + i, &r[i]);
         out->stuck_ssi += stuck_by_ssi(out, &r[i]);
         if (out->opts->csv) {
-            write_result(out->csv.stream, first + i, &r[i]);
+            write_result(out, first + i, &r[i]);
         }
         (void)until_look(&out->until, &out->tally);
     }
@@ -121,6 +134,10 @@ static void write_json(FILE *to, const outcome *out, double lo, double hi)
     write_ssi(to, out);
     fprintf(to, "  \"seed\": %llu,\n  \"first\": %u,\n  \"digest\": \"%08x\",\n  \"real\": \"%s\",\n  \"model\": \"%s\",\n",
             (unsigned long long)out->opts->seed, out->opts->first, t->digest, sizeof(real) > 4 ? "double" : "float", kelly_string.id);
+    fprintf(to, "  \"identity\": \"%08x\",\n", out->identity);
+    if (out->opts->csv) {
+        fprintf(to, "  \"csv_crc32c\": \"%08x\",\n", out->csv_crc);
+    }
     write_refused(to, out);
     until_write(to, &out->until, out->asked);
     if (out->opts->convergence) {
@@ -231,14 +248,25 @@ void outcome_open(outcome *out, const options *opts, const char *engine)
     out->opts = opts;
     out->asked = opts->samples;
     out->engine = engine;
+    out->identity = case_identity(&opts->run);
     out->start = now();
     if (opts->csv) {
         outfile_open(&out->csv, opts->csv);
-        fputs("index,fc_kN,mu,alpha1,alpha2,rpm,bit_min_rpm,bit_max_rpm,bit_mean_rpm,ss,stuck,status,liftoff\n", out->csv.stream);
+        outcome_lines(out, OUTCOME_HEADER "\n", strlen(OUTCOME_HEADER "\n"));
     }
     if (opts->json) {
         outfile_open(&out->json, opts->json);
     }
+}
+
+const char *outcome_beside(const options *opts)
+{
+    const char *const beside = is_plain_file(opts->csv) ? opts->csv : is_plain_file(opts->json) ? opts->json : 0;
+
+    if (opts->resume && !beside) {
+        die(EXIT_USAGE, "--resume: there is no journal without an output file; give --csv or --json");
+    }
+    return beside;
 }
 
 int outcome_speaks(const options *opts)
@@ -260,6 +288,8 @@ void outcome_close(outcome *out)
     if (opts->csv) {
         outfile_close(&out->csv);
     }
+    journal_remove(&out->convergence_log);
+    journal_remove(&out->log);
     if (outcome_speaks(opts)) {
         print_outcome(out, lo, hi);
     }

@@ -3,7 +3,9 @@
 #define KELLY_OUTCOME_H
 
 #include "host.h"
+#include "journal.h"
 
+#define OUTCOME_HEADER "index,fc_kN,mu,alpha1,alpha2,rpm,bit_min_rpm,bit_max_rpm,bit_mean_rpm,ss,stuck,status,liftoff"
 #define LISTED 100u              /* refused realisations that are named one by one in the JSON */
 
 /* Start from zeros; `envelope`, `until`, `more` and `convergence` are the caller's, the rest is not to be touched. */
@@ -13,10 +15,13 @@ typedef struct {
     kelly_tally tally;
     uint32_t asked;              /* --samples */
     uint32_t stuck_ssi;          /* counted realisations whose SSI exceeds the limit */
+    uint32_t identity;           /* case_identity */
     outfile csv, json;
+    uint32_t csv_crc;            /* CRC-32C of the CSV, where both are written */
     uint32_t refused[LISTED];
     uint8_t why[LISTED];
     double start, seconds;
+    journal log, convergence_log;   /* open where the run keeps them; removed when the files are in their places */
     convergence_table convergence;
     envelope_request envelope;
     until_request until;
@@ -27,13 +32,19 @@ typedef struct {
 /* Open the files that opts ask for; dies where one cannot be written. */
 void outcome_open(outcome *out, const options *opts, const char *engine);
 
+/* Where the journal lies: beside the CSV, or the JSON; 0 where neither is a file. Dies with exit 2 for --resume without one. */
+const char *outcome_beside(const options *opts);
+
+/* Lines of the CSV, as text. */
+void outcome_lines(outcome *out, const char *text, size_t length);
+
 /* Take results of indices in increasing order: a batch_sink, its context an outcome. */
 void outcome_take(void *context, uint32_t first, uint32_t count, const void *results);
 
 /* Whether a summary is wanted on stdout: no --quiet, and stdout is not one of the files. */
 int outcome_speaks(const options *opts);
 
-/* Write what is left, close the files, print the summary. */
+/* Write what is left, close the files, remove the journal, print the summary. */
 void outcome_close(outcome *out);
 
 #endif

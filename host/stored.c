@@ -4,13 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "outcome.h"
 #include "stored.h"
 
-#define HEADER "index,fc_kN,mu,alpha1,alpha2,rpm,bit_min_rpm,bit_max_rpm,bit_mean_rpm,ss,stuck,status,liftoff"
+#define HEADER OUTCOME_HEADER
 #define FIELDS 13
 #define NEAR 1e-6                /* of a draw, relative: nine digits of it, and of the means of its law, are on file */
-
-static const char *const status_names[KELLY_STATUSES] = { "ok", "step", "range", "nonfinite" };
 
 /* Keys of the JSON that must be there, and where their numbers go. */
 enum { RPM_, WOB, MU, ALPHA1, ALPHA2, LIMIT, COV_FC, COV_MU, COV_A1, COV_A2, COV_RPM, FIRST, SAMPLES, STUCK, REFUSED, SEED, MODEL, REAL_, KEYS };

@@ -1,32 +1,43 @@
-/* threads.c - an ensemble over the threads of one machine.
+/* threads.c - an ensemble over the threads of one machine, and over the other processes of a team (team.h).
  *
- * A batch is cut into pieces of whole vectors beforehand; threads take the next piece from a counter. The number of
- * pieces is a multiple of the number of threads and their sizes differ by one vector at most, so that neither a slow core nor
+ * A batch is cut into pieces of whole vectors beforehand; threads and processes take the next piece from a counter. The number of
+ * pieces is a multiple of the number of workers and their sizes differ by one vector at most, so that neither a slow core nor
  * the last piece leaves the others idle. Results lie at their index: no order of execution can show.
+ *
+ * The journal of a run holds its results in the order of the indices: a piece is appended when it and all before it are done. So what
+ * it holds is always the beginning of the run, and to go on is to hand that to the sink and to run the rest.
  */
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 #include <unistd.h>
 
+#include "../firmware/link/crc32c.h"
 #include "host.h"
+#include "journal.h"
+#include "team.h"
 
 #define SHOW 0.25                /* [s] between two lines of progress */
-#define BATCH 16384u             /* realisations whose results are in memory at once, for a few threads */
+#define BATCH 16384u             /* realisations whose results are in memory at once, for a few workers */
 
 typedef struct {
     const options *opts;
     const job *what;
+    unsigned workers;            /* threads here, and other processes */
     uint32_t first, count;       /* of the batch */
     uint32_t vectors, pieces;
     uint8_t *results;
     atomic_uint next;            /* piece */
-    atomic_uint done;            /* realisations */
-    pthread_mutex_t lock;        /* of `running`, */
-    pthread_cond_t over;         /* told when it comes to 0 */
+    pthread_mutex_t lock;        /* of what follows */
+    pthread_cond_t over;         /* told when `running` comes to 0 */
     unsigned running;            /* threads */
-    double shown;                /* when progress was, for all batches of a run: one may be over before it is due */
+    uint32_t done;               /* realisations */
+    uint8_t *finished;           /* [piece] */
+    uint32_t kept;               /* pieces that are in the journal */
+    uint32_t before, rest;       /* realisations of earlier batches; of all batches */
+    double start, shown;         /* when the run began, when progress was shown: a batch may be over before it is due */
 } batch;
 
 unsigned processors(void)
@@ -34,6 +45,12 @@ unsigned processors(void)
     const long n = sysconf(_SC_NPROCESSORS_ONLN);
 
     return n > 0 ? (unsigned)n : 1u;
+}
+
+/* A process of a team has a core; one that is alone has them all. */
+unsigned threads_of(const options *opts)
+{
+    return opts->threads ? opts->threads : team_others() > 0 ? 1u : processors();
 }
 
 static double now(void)
@@ -44,35 +61,67 @@ static double now(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* First vector of a piece: the first `vectors % pieces` pieces have one more. */
+/* ---- pieces ------------------------------------------------------------------------------------------------------ */
+
+/* Cut a batch: as few pieces as hold it, rounded up to a multiple of the workers, at least a vector each. */
+static void cut(batch *b)
+{
+    const uint32_t whole = b->what->lanes / b->what->width;
+
+    b->vectors = (b->count + b->what->width - 1) / b->what->width;
+    b->pieces = (b->vectors + whole - 1) / whole;
+    b->pieces = (b->pieces + b->workers - 1) / b->workers * b->workers;
+    b->pieces = b->pieces < b->vectors ? b->pieces : b->vectors;
+}
+
+/* First realisation of a piece: the first `vectors % pieces` pieces have a vector more. */
 static uint32_t piece_start(const batch *b, uint32_t piece)
 {
     const uint32_t base = b->vectors / b->pieces, rest = b->vectors % b->pieces;
+    const uint32_t start = (piece * base + (piece < rest ? piece : rest)) * b->what->width;
 
-    return piece * base + (piece < rest ? piece : rest);
+    return start < b->count ? start : b->count;
+}
+
+/* The next piece, or 0. */
+static int take_piece(batch *b, errand *e)
+{
+    const uint32_t piece = atomic_load(&b->next) < b->pieces ? atomic_fetch_add(&b->next, 1u) : b->pieces;
+
+    if (piece >= b->pieces) {
+        return 0;
+    }
+    *e = (errand){ .first = b->first + piece_start(b, piece), .count = piece_start(b, piece + 1) - piece_start(b, piece), .number = piece,
+                   .results = b->results + piece_start(b, piece) * b->what->result_size };
+    return 1;
+}
+
+/* A piece is done: count it, and write down all that is done without a gap. */
+static void bring_piece(batch *b, const errand *e)
+{
+    pthread_mutex_lock(&b->lock);
+    b->done += e->count;
+    b->finished[e->number] = 1;
+    while (b->what->log && b->kept < b->pieces && b->finished[b->kept]) {
+        const uint32_t from = piece_start(b, b->kept), to = piece_start(b, ++b->kept);
+
+        journal_append(b->what->log, b->first - b->opts->first + from, to - from, b->results + from * b->what->result_size);
+    }
+    pthread_mutex_unlock(&b->lock);
 }
 
 static void *worker(void *context)
 {
     batch *const b = context;
-    const uint32_t width = b->what->width;
     void *work = 0;
+    errand e;
 
     if (posix_memalign(&work, 64, b->what->work_size) != 0) {
         die(EXIT_FAILED, "out of memory");
     }
-    for (;;) {
-        const uint32_t piece = atomic_fetch_add(&b->next, 1u);
-        uint32_t from, to;
-
-        if (piece >= b->pieces) {
-            break;
-        }
-        from = piece_start(b, piece) * width;
-        to = piece_start(b, piece + 1) * width;
-        to = to < b->count ? to : b->count;
-        b->what->work(b->opts, b->first + from, to - from, b->results + from * b->what->result_size, work);
-        atomic_fetch_add(&b->done, to - from);
+    while (take_piece(b, &e)) {
+        b->what->work(b->opts, e.first, e.count, e.results, work);
+        bring_piece(b, &e);
     }
     free(work);
     pthread_mutex_lock(&b->lock);
@@ -81,6 +130,17 @@ static void *worker(void *context)
     }
     pthread_mutex_unlock(&b->lock);
     return 0;
+}
+
+/* ---- batches ------------------------------------------------------------------------------------------------------ */
+
+/* Where it is due; the lock is held. */
+static void show(batch *b)
+{
+    if (progress_wanted(b->opts) && now() - b->shown > SHOW) {
+        b->shown = now();
+        progress_show(b->opts, (uint64_t)b->before + b->done, b->rest, b->shown - b->start);
+    }
 }
 
 /* Wait until the batch is over or progress is due. The end is told, not looked for: a nap would go on while the processors idle. */
@@ -97,85 +157,179 @@ static void wait_a_moment(batch *b)
     pthread_cond_timedwait(&b->over, &b->lock, &until);
 }
 
-static void watch_batch(batch *b, uint32_t before, double start)
+static void watch_batch(batch *b)
 {
     pthread_mutex_lock(&b->lock);
     do {
         if (b->running > 0) {
             wait_a_moment(b);
         }
-        if (now() - b->shown > SHOW) {
-            b->shown = now();
-            progress_show(b->opts, (uint64_t)before + atomic_load(&b->done), b->opts->samples, b->shown - start);
-        }
+        show(b);
     } while (b->running > 0);
     pthread_mutex_unlock(&b->lock);
 }
 
-/* Cut a batch: as few pieces as hold it, rounded up to a multiple of the threads, at least a vector each. */
-static void cut(batch *b, unsigned threads)
+static int give_piece(void *context, errand *e)
 {
-    const uint32_t whole = b->what->lanes / b->what->width;
-
-    b->vectors = (b->count + b->what->width - 1) / b->what->width;
-    b->pieces = (b->vectors + whole - 1) / whole;
-    b->pieces = (b->pieces + threads - 1) / threads * threads;
-    b->pieces = b->pieces < b->vectors ? b->pieces : b->vectors;
+    return take_piece(context, e);
 }
 
-static void run_batch(batch *b, unsigned threads, pthread_t *ids, uint32_t before, double start)
+static void take_back(void *context, const errand *e)
 {
-    cut(b, threads);
+    bring_piece(context, e);
+}
+
+static int threads_over(void *context)
+{
+    batch *const b = context;
+    int over;
+
+    pthread_mutex_lock(&b->lock);
+    show(b);
+    over = b->running == 0;
+    pthread_mutex_unlock(&b->lock);
+    return over;
+}
+
+static void run_batch(batch *b, unsigned threads, pthread_t *ids)
+{
+    cut(b);
     atomic_store(&b->next, 0u);
-    atomic_store(&b->done, 0u);
+    b->done = b->kept = 0;
+    memset(b->finished, 0, b->pieces);
     b->running = threads;
     for (unsigned t = 0; t < threads; t++) {
         if (pthread_create(&ids[t], 0, worker, b) != 0) {
             die(EXIT_FAILED, "cannot start thread %u of %u; give fewer --threads", t + 1, threads);
         }
     }
-    if (progress_wanted(b->opts)) {
-        watch_batch(b, before, start);
+    if (b->workers > threads) {
+        team_lead(&(team_source){ b, give_piece, take_back, threads_over, b->what->result_size });
+    } else if (progress_wanted(b->opts)) {
+        watch_batch(b);
     }
     for (unsigned t = 0; t < threads; t++) {
         pthread_join(ids[t], 0);
     }
 }
 
-/* Realisations of the next batch. Where the run may end at any of them, a block a thread at first, then an eighth of what is
+/* Realisations of the next batch. Where the run may end at any of them, a block a worker at first, then an eighth of what is
  * done, so that what has to be thrown away stays small. */
-static uint32_t batch_count(const job *what, unsigned threads, uint32_t done, uint32_t most)
+static uint32_t batch_count(const job *what, unsigned workers, uint32_t done, uint32_t most)
 {
-    const uint32_t least = threads * what->lanes;
+    const uint32_t least = workers * what->lanes;
     const uint32_t few = done / 8 > least ? done / 8 / least * least : least;
 
     return what->enough && few < most ? few : most;
 }
 
-void run_job(const options *opts, const job *what, batch_sink sink, void *context)
+/* Realisations first + done, ... of opts, to the end. */
+static void lead(const options *opts, const job *what, uint32_t done, batch_sink sink, void *context)
 {
-    const unsigned threads = opts->threads ? opts->threads : processors();
-    const uint32_t batch_size = BATCH * ((threads + 7u) / 8u);
-    const uint32_t most = opts->samples < batch_size ? opts->samples : batch_size;
+    const unsigned threads = threads_of(opts), workers = threads + (what->lead_alone ? 0 : team_others());
+    const uint64_t batch_size = (uint64_t)BATCH * ((workers + 7u) / 8u);
+    const uint32_t left = opts->samples - done, most = left < batch_size ? left : (uint32_t)batch_size;
     const double start = now();
-    batch b = { .opts = opts, .what = what, .results = calloc(most, what->result_size), .lock = PTHREAD_MUTEX_INITIALIZER,
-                .over = PTHREAD_COND_INITIALIZER, .shown = start };
+    batch b = { .opts = opts, .what = what, .workers = workers, .results = calloc(most, what->result_size), .finished = calloc(most, 1),
+                .lock = PTHREAD_MUTEX_INITIALIZER, .over = PTHREAD_COND_INITIALIZER, .rest = left, .start = start, .shown = start };
     pthread_t *ids = calloc(threads, sizeof(*ids));
 
-    if (!b.results || !ids) {
+    if (!b.results || !b.finished || !ids) {
         die(EXIT_FAILED, "out of memory");
     }
-    for (uint32_t done = 0; done < opts->samples && !(what->enough && *what->enough); done += b.count) {
-        const uint32_t next = batch_count(what, threads, done, most);
+    for (; b.before < left && !(what->enough && *what->enough); b.before += b.count) {
+        const uint32_t next = batch_count(what, workers, done + b.before, most);
 
-        b.first = opts->first + done;
-        b.count = opts->samples - done < next ? opts->samples - done : next;
-        run_batch(&b, threads, ids, done, start);
+        b.first = opts->first + done + b.before;
+        b.count = left - b.before < next ? left - b.before : next;
+        run_batch(&b, threads, ids);
         sink(context, b.first, b.count, b.results);
     }
     if (progress_wanted(opts)) {
-        progress_end(opts, opts->samples, now() - start);
+        progress_end(opts, left, now() - start);
     }
     free(b.results);
+    free(b.finished);
     free(ids);
+}
+
+/* ---- what an earlier run has done ------------------------------------------------------------------------------- */
+
+typedef struct {
+    const options *opts;
+    size_t size;
+    batch_sink sink;
+    void *context;
+    uint32_t done;
+} replay;
+
+/* Sound only where it goes on without a gap, as it was written. */
+static int take_record(void *context, uint32_t index, const uint8_t *payload)
+{
+    replay *const r = context;
+    _Alignas(16) uint8_t result[JOURNAL_PAYLOAD_MAX];
+
+    if (index != r->done) {
+        return 0;
+    }
+    memcpy(result, payload, r->size);
+    r->sink(r->context, r->opts->first + index, 1, result);
+    r->done++;
+    return 1;
+}
+
+/* Open the journal of the job and take over what it holds; how many realisations that is. */
+static uint32_t recall(const options *opts, const job *what, batch_sink sink, void *context)
+{
+    const real sample = R(1.0) / R(3.0);   /* results lie in the journal as in memory: another byte order is another run */
+    const uint32_t run[3] = { case_identity(&opts->run), opts->first, what->also };
+    replay r = { opts, what->result_size, sink, context, 0 };
+    uint32_t parameters = kelly_crc32c(0, (const uint8_t *)&sample, sizeof(sample));
+
+    parameters = kelly_crc32c(parameters, (const uint8_t *)run, sizeof(run));
+    journal_open(what->log, what->beside, &(journal_run){ .kind = what->kind, .model = kelly_string.id, .seed = opts->seed, .parameters = parameters,
+                 .records = opts->samples, .payload = (uint32_t)what->result_size }, opts->resume, take_record, &r);
+    return r.done;
+}
+
+/* ---- a process that is not the first ----------------------------------------------------------------------------- */
+
+typedef struct {
+    const options *opts;
+    const job *what;
+    void *work;
+} follower;
+
+static void run_errand(void *context, const errand *e)
+{
+    const follower *const f = context;
+
+    f->what->work(f->opts, e->first, e->count, e->results, f->work);
+}
+
+static void follow(const options *opts, const job *what)
+{
+    follower f = { opts, what, 0 };
+
+    if (posix_memalign(&f.work, 64, what->work_size) != 0) {
+        die(EXIT_FAILED, "out of memory");
+    }
+    team_follow(run_errand, &f, what->result_size);
+    free(f.work);
+}
+
+void run_job(const options *opts, const job *what, batch_sink sink, void *context)
+{
+    if (team_rank() > 0 && !what->lead_alone) {
+        follow(opts, what);
+    } else if (team_rank() == 0) {
+        const uint32_t done = what->log ? recall(opts, what, sink, context) : 0;
+
+        if (done < opts->samples) {
+            lead(opts, what, done, sink, context);
+        }
+        if (!what->lead_alone) {
+            team_dismiss();
+        }
+    }
 }

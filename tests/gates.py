@@ -25,6 +25,7 @@ GATES = {
     "tests-on-boards": ("test", 900, f"{PYTHON} tests/check_on_targets.py"),
     "command-line": ("test", 600, f"{PYTHON} tests/check_cli.py"),
     "digests": ("test", 900, f"{PYTHON} tests/check_digests.py"),
+    "nothing-lost": ("test", 600, f"{PYTHON} tests/check_nothing_lost.py"),
     "figures": ("test", 600, f"{PYTHON} tests/check_figures.py"),
     "map": ("test", 600, f"{PYTHON} tests/check_map.py"),
     "drive": ("test", 300, f"{PYTHON} tests/check_drive.py"),
