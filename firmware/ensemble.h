@@ -40,7 +40,8 @@ void kelly_run_draws(const kelly_table *table, const kelly_case *run, const kell
                      kelly_result *results, kelly_work *work);
 
 /* One build of this file, for a program that holds several (see isa.h). `work` of its functions is a kelly_work of
- * that build, work_size bytes at an address that is a multiple of 64. */
+ * that build, work_size bytes at an address that is a multiple of 64. Its two function pointers, in a const object that
+ * only a host reads, are the only ones of firmware/. */
 typedef struct {
     const char *name;            /* vector unit: "scalar", "sse2", "avx2", "avx512" */
     unsigned width;              /* realisations in a vector */

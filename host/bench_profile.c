@@ -16,10 +16,12 @@ static const double exercise[][3] = {
 static void add(bench_profile *p, double time, double rpm, double wob)
 {
     if (p->count % 256 == 0) {
-        p->points = realloc(p->points, (p->count + 256) * sizeof(*p->points));
-        if (!p->points) {
+        void *const more = realloc(p->points, (p->count + 256) * sizeof(*p->points));
+
+        if (!more) {
             die(EXIT_FAILED, "out of memory");
         }
+        p->points = more;
     }
     p->points[p->count].time = time;
     p->points[p->count].rpm = rpm;

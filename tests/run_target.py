@@ -6,7 +6,7 @@ usage: tests/run_target.py --target NAME [--timeout S] [--counting | --icount TE
 
 The machine comes from linker/NAME.mk. Each line `?` that the image prints is a question (firmware/app/line.h): it is
 answered with the next --line, and with an empty line when there are no more. --stdin gives our stdin to the UART instead
-and answers nothing. --counting adds the -icount option under which board_measure is exact, --icount one of your own
+and answers nothing. --counting adds the -icount option under which board_measure_end is exact, --icount one of your own
 (shift=5,sleep=off). Exit: the image's status (70 a fault), 124 time-out, 125 the emulator gave up.
 """
 import argparse

@@ -71,9 +71,11 @@ void watchdog_stop(void);
 
 /* ---- Common to all, firmware/board/common.c ---- */
 
-/* Cost of work(of), the call included, interrupts held: exact instructions in an emulator run with the target's own
- * ICOUNT option (the same number every run; below 2^32 counts), CPU cycles on silicon. */
-uint32_t board_measure(void (*work)(void *), void *of);
+/* The stretch between start and end, which takes what start returned; interrupts are held in between. Exact instructions in an
+ * emulator run with the target's own ICOUNT option (the same number every run; below 2^32 counts), CPU cycles on silicon. It
+ * holds some instructions of the two calls: subtract another stretch. */
+uint32_t board_measure_start(void);
+uint32_t board_measure_end(uint32_t start);
 
 /* High-water mark and size of the stack [bytes]; the mark can only err low, by values that equal the paint. */
 uint32_t stack_used(void);

@@ -29,16 +29,6 @@ void board_decimal(uint32_t value)
     board_text(digits + at);
 }
 
-static void nothing(void *of) { (void)of; }
-
-static uint32_t counts_of(void (*volatile work)(void *), void *of)
-{
-    uint32_t start = board_count();
-
-    work(of);
-    return board_count() - start;
-}
-
 /* Emulator: one instruction is 2^shift ns, so counts / (2^shift ns * BOARD_COUNT_HZ), rounded to the nearest because
  * each reading is rounded down to a whole count, and every target's instruction is at least one count long. */
 static uint32_t instructions(uint32_t counts)
@@ -48,15 +38,18 @@ static uint32_t instructions(uint32_t counts)
     return (uint32_t)(((uint64_t)counts * 1000000000u + counts_per_G / 2) / counts_per_G);
 }
 
-uint32_t board_measure(void (*work)(void *), void *of)
+uint32_t board_measure_start(void)
 {
-    uint32_t empty, full;
-
     board_quiet(1);
-    empty = counts_of(nothing, of);
-    full = counts_of(work, of);
+    return board_count();
+}
+
+uint32_t board_measure_end(uint32_t start)
+{
+    const uint32_t counts = board_count() - start;
+
     board_quiet(0);
-    return board_counts_cycles() ? full - empty : instructions(full) - instructions(empty);
+    return board_counts_cycles() ? counts : instructions(counts);
 }
 
 const uint8_t *board_image(uint32_t *size)
