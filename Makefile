@@ -257,6 +257,20 @@ size:                                         ## flash, RAM, stack, instructions
 	@$(with_python) tests/size_table.py
 endif
 
+# What git tracks, or, unpacked from such an archive, all there is. Names in the order of their bytes, one time, one owner, the modes of
+# a fresh clone: the same bytes wherever it is made.
+version = $(shell sed -n 's/^.define KELLY_VERSION "\(.*\)"/\1/p' firmware/kelly.h)
+archive = build/kelly-$(version)
+dist:                                         ## build/kelly-VERSION.tar.gz: the source, the same bytes wherever it is made
+	@mkdir -p build
+	@if [ -e .git ]; then git ls-files; else find . -name .git -prune -o -path ./build -prune -o -name __pycache__ -prune -o -type f -print; fi > $(archive).all
+	@sed 's,^\./,,' $(archive).all | LC_ALL=C sort > $(archive).txt
+	@tar --create --file $(archive).tar --format=ustar --owner=0 --group=0 --numeric-owner --mode=u=rwX,go=rX --mtime=@946684800 \
+	 --transform 's,^,kelly-$(version)/,' --no-recursion --verbatim-files-from --files-from $(archive).txt
+	@gzip -9 -n < $(archive).tar > $(archive).tar.gz
+	@rm $(archive).tar $(archive).txt $(archive).all
+	@echo $(archive).tar.gz
+
 readme: $(dir)/kelly size                     ## the tables of the README from runs on this tree (after make test, make bench and make drives)
 	@{ echo '    $$ make run'; $(MAKE) -s run | sed 's/^/    /'; } > build/run.md
 	@$(dir)/kelly modes | sed 's/^/    /' > build/modes.md
@@ -279,4 +293,4 @@ clean:                                        ## remove build/
 help:                                         ## this list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
 
-.PHONY: FORCE all unit convergence run digest size bench readme test prove campaign study map drives figures tables install clean help
+.PHONY: FORCE all unit convergence run digest size bench readme test prove campaign study map drives figures tables install clean help dist

@@ -4,7 +4,8 @@ nothing with the rest of gen/ but the well file's reader.
 
     python3 gen/reference.py WELL.toml [--case fc=..,mu=..,...]... [--step S] [--out-step S] [--duration S] [--out FILE]
 
-A case names what differs from the well file: fc, mu, a1, a2, w0, f0 in SI, rotating (0 or 1), torsional, axial.
+A case names what differs from the well file: fc, mu, a1, a2, w0, f0 in SI, rotating (0 or 1), torsional, axial;
+and J [kg m2], Z [N m s/rad], f [Hz] of a soft drive at the top, where there is one: J > 0.
 """
 import argparse
 import os
@@ -16,6 +17,7 @@ import well as well_
 
 COLUMNS = ("time", "bit_speed", "bit_torque", "f_bit", "bit_axial_speed", "surface_torque")
 CASE = ("fc", "mu", "a1", "a2", "w0", "f0", "rotating", "torsional", "axial")
+STIFF = {"J": 0.0, "Z": 0.0, "f": 0.0}      # the drive of a case that names none
 
 
 # ---- finite elements and modes at one weight
@@ -127,13 +129,64 @@ class System:
         return np.array([np.full_like(w, t), w, torque, weight[0], (self.b_axial * v).sum(axis=1), surface])
 
 
+class Yielding(System):
+    """The same under soft drives, stiff tops among them. The last column is the top: its angle and its speed, from w0 on. What the
+    drive integrates is w0 - theta_top', so that its integral needs no column: it is w0 t - theta_top."""
+
+    def __init__(self, well, cases):
+        super().__init__(well, cases)
+        cases = [{**STIFF, **case} for case in cases]
+        self.rotor, impedance, hz = (np.array([float(case[name]) for case in cases]) for name in STIFF)
+        self.k_speed, self.k_angle = 4.0 * impedance, (2.0 * np.pi * hz)**2 * self.rotor
+        none = np.zeros((len(cases), 1))
+        self.w2, self.c, self.d, self.b_axial = (np.hstack([x, none]) for x in (self.w2, self.c, self.d, self.b_axial))
+        self.b, self.v0 = np.hstack([self.b, none + 1.0]), np.hstack([self.v0, self.w0[:, None]])
+        self.moved = self.rotor + self.inertia - (self.d * self.d).sum(axis=1)
+
+    def weight(self, t):
+        """(F) needs the angle of the top: acceleration() takes it from the state, and from here the time."""
+        return t
+
+    def speed(self, v):
+        """(W)."""
+        return (self.b * v).sum(axis=1)
+
+    def forces(self, q, v):
+        """f_bit, f_a, torque on the bit."""
+        f_a = self.f0 * (np.sin(q[:, -1]) + 0.01)
+        return f_a - self.fc, f_a, self.torque(self.speed(v), f_a - self.fc)
+
+    def acceleration(self, q, v, t):
+        """(T) without theta_top'', (S) with it put in, the drive; then (T), (A)."""
+        theta, rate = q[:, -1], v[:, -1]
+        _, f_a, torque = self.forces(q, v)
+        free = self.b * torque[:, None] + self.b_axial * f_a[:, None] - self.d * (self.alpha * rate)[:, None] - self.c * v - self.w2 * q
+        push = self.k_speed * (self.w0 - rate) + self.k_angle * (self.w0 * t - theta)
+        rest = self.alpha * self.inertia * rate + (self.d * (free + self.alpha * v)).sum(axis=1) - torque
+        slope = np.where(self.rotor > 0.0, (push - rest) / self.moved, 0.0)
+        a = free - self.d * slope[:, None]
+        a[:, -1] = slope
+        return a
+
+    def outputs(self, t, q, v):
+        """One row of COLUMNS [column, case]."""
+        f_bit, _, torque = self.forces(q, v)
+        a = self.acceleration(q, v, t)
+        surface = self.inertia * (a[:, -1] + self.alpha * v[:, -1]) + (self.d * (a + self.alpha * v)).sum(axis=1) - torque     # (S)
+        return np.array([np.full_like(torque, t), self.speed(v), torque, f_bit, (self.b_axial * v).sum(axis=1), surface])
+
+
 def nominal(well):
     return {name: getattr(well, name) for name in CASE}
 
 
+def system_of(well, cases):
+    return (Yielding if any(case.get("J", 0.0) > 0.0 for case in cases) else System)(well, cases)
+
+
 def simulate_many(well, cases, step, out_step, duration):
     """Cases (dicts of overrides, equal mode counts) -> {column: [case, time]}."""
-    system = System(well, cases)
+    system = system_of(well, cases)
     data = np.array(march(system, system.outputs, step, out_step, duration))
     return {name: data[:, i, :].T for i, name in enumerate(COLUMNS)}
 
@@ -161,7 +214,7 @@ def march(system, look, step, out_step, duration):
 
 
 def field(well, case, step, out_step, duration):
-    """Displacement from the prestressed string [m] and twist against the top [rad] at the nodes -> two [time, node]."""
+    """Displacement from the prestressed string [m] and twist against the top [rad] at the nodes -> two [time, node]. A stiff top."""
     system, full = System(well, [case]), {**nominal(well), **case}
     at = modes(well, full["fc"])
     count = full["torsional"], full["axial"]
@@ -181,8 +234,8 @@ def _case(text):
     case = {}
     for part in text.split(","):
         key, _, value = part.partition("=")
-        if key not in CASE:
-            raise argparse.ArgumentTypeError(f"{key}: expected one of {', '.join(CASE)}")
+        if key not in (*CASE, *STIFF):
+            raise argparse.ArgumentTypeError(f"{key}: expected one of {', '.join((*CASE, *STIFF))}")
         case[key] = int(value) if key in ("rotating", "torsional", "axial") else float(value)
     return case
 
@@ -199,11 +252,11 @@ def main(argv):
     with open(options.well, encoding="utf-8") as file:
         well = well_.parse(file.read())
     lines = [f"# gen/reference.py {os.path.basename(options.well)}, RK4 in double at step {options.step!r} s",
-             "# case " + " ".join(CASE) + "    (SI; w0 in rad/s)", "# row " + " ".join(COLUMNS) + "    (SI)"]
+             "# case " + " ".join((*CASE, *STIFF)) + "    (SI; w0 in rad/s)", "# row " + " ".join(COLUMNS) + "    (SI)"]
     for case in options.case or [{}]:
         data = simulate(well, case, options.step, options.out_step, options.duration)
-        full = {**nominal(well), **case}
-        lines.append("case " + " ".join(f"{float(full[name]):.17g}" for name in CASE))
+        full = {**nominal(well), **STIFF, **case}
+        lines.append("case " + " ".join(f"{float(value):.17g}" for value in full.values()))
         lines += ["row " + " ".join(f"{data[name][i]:.17g}" for name in COLUMNS) for i in range(len(data["time"]))]
     text = "\n".join(lines) + "\n"
     if options.out:
