@@ -18,7 +18,7 @@ const command_help montecarlo_help = {
     .notes = "CSV: index,fc_kN,mu,alpha1,alpha2,rpm,bit_min_rpm,bit_max_rpm,bit_mean_rpm,ss,stuck,status,liftoff.\n"
              "ss = (max - min)/(max + min) of the bit speed over the window decides (10 where max + min <= 0);\n"
              "SSI = (max - min)/(2 mean), the index of rig displays, is reported beside it (JSON: ssi).\n"
-             "A realisation that cannot be trusted has a status (step, range, nonfinite) and is never counted.",
+             "A realisation that cannot be trusted has a status (step, range, nonfinite, corrupt) and is never counted.",
     .example = "kelly montecarlo --mu 0.004 --samples 4000 --json run.json --csv runs.csv",
 };
 

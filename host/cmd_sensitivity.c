@@ -8,7 +8,7 @@
 #define LISTED 100u              /* left-out rows that are named one by one */
 #define SS_MOST 10.0             /* what ss is where max + min <= 0; nothing counts for more */
 
-static const char *const status_names[KELLY_STATUSES] = { "ok", "step", "range", "nonfinite" };
+static const char *const status_names[KELLY_STATUSES] = { "ok", "step", "range", "nonfinite", "corrupt" };
 static const char *const names[KELLY_PARAMETERS] = { "fc", "mu", "a1", "a2", "rpm" };
 
 enum { OF_STUCK, OF_SS, MEASURES };

@@ -76,10 +76,11 @@ static int help(const char *name)
 
 int main(int argc, char **argv)
 {
-    const char *const error = kelly_table_error(&kelly_string);
+    const char *error = kelly_table_error(&kelly_string);
 
+    error = error ? error : kelly_shapes_error(&kelly_string, &kelly_string_shapes);
     if (error) {
-        die(EXIT_FAILED, "%s: %s", kelly_string.id, error);
+        die(EXIT_FAILED, "%.*s: %s", KELLY_ID_MAX, kelly_string.id, error);
     }
     for (int i = 1; i < argc; i++) {
         if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) {

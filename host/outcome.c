@@ -7,7 +7,7 @@
 #define SHOWN 12u                /* refused realisations that are named on the terminal */
 #define DIGITS (sizeof(real) > sizeof(float) ? 17 : 9)
 
-static const char *const status_names[KELLY_STATUSES] = { "ok", "step", "range", "nonfinite" };
+static const char *const status_names[KELLY_STATUSES] = { "ok", "step", "range", "nonfinite", "corrupt" };
 
 static void write_result(FILE *to, uint32_t index, const kelly_result *r)
 {
@@ -74,8 +74,8 @@ static void write_case(FILE *to, const outcome *out)
 
 static void write_refused(FILE *to, const outcome *out)
 {
-    fprintf(to, "  \"refused_by\": {\"step\": %u, \"range\": %u, \"nonfinite\": %u},\n  \"refused_first\": [", out->tally.status[KELLY_STEP],
-            out->tally.status[KELLY_RANGE], out->tally.status[KELLY_NONFINITE]);
+    fprintf(to, "  \"refused_by\": {\"step\": %u, \"range\": %u, \"nonfinite\": %u, \"corrupt\": %u},\n  \"refused_first\": [", out->tally.status[KELLY_STEP],
+            out->tally.status[KELLY_RANGE], out->tally.status[KELLY_NONFINITE], out->tally.status[KELLY_CORRUPT]);
     for (uint32_t i = 0; i < listed(out); i++) {
         fprintf(to, "%s[%u, \"%s\"]", i ? ", " : "", out->refused[i], status_names[out->why[i]]);
     }

@@ -10,7 +10,7 @@
 #define FIELDS 13
 #define NEAR 1e-6                /* of a draw, relative: nine digits of it, and of the means of its law, are on file */
 
-static const char *const status_names[KELLY_STATUSES] = { "ok", "step", "range", "nonfinite" };
+static const char *const status_names[KELLY_STATUSES] = { "ok", "step", "range", "nonfinite", "corrupt" };
 
 /* Keys of the JSON that must be there, and where their numbers go. */
 enum { RPM_, WOB, MU, ALPHA1, ALPHA2, LIMIT, COV_FC, COV_MU, COV_A1, COV_A2, COV_RPM, FIRST, SAMPLES, STUCK, REFUSED, SEED, MODEL, REAL_, KEYS };
@@ -163,7 +163,7 @@ static uint8_t status_of(const stored_rows *rows, const char *text)
             return (uint8_t)k;
         }
     }
-    bad_line(rows, "no such status", "there are ok, step, range and nonfinite");
+    bad_line(rows, "no such status", "there are ok, step, range, nonfinite and corrupt");
 }
 
 static void split(const stored_rows *rows, char *line, char *field[FIELDS])
