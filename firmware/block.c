@@ -1,6 +1,7 @@
 /* block.c - set up a block, put realisations into its lanes, read them. The stepping is in integrator.c. */
 #include "form_m.h"
 #include "form_s.h"
+#include "seal.h"
 
 #define F_OFFSET R(0.01)          /* constant part of f_a / f0, eq. (F) */
 #define QUARTER_TURN ((uint64_t)1 << 62)
@@ -186,6 +187,7 @@ void kelly_block_load(kelly_block *block, unsigned lane, const kelly_case *run,
     kelly_lane *const out = &block->lane[lane / KELLY_WIDTH];
 
     block->phase_step[lane] = step;
+    block->strayed[lane] = 0;
     LANE(out->w0, l) = draw->w0;
     LANE(out->ratio, l) = draw->a1 / (2 * a2);
     LANE(out->inverse, l) = R(1.0) / a2;
@@ -275,11 +277,40 @@ static int within(real x, real limit)
     return x > -limit && x < limit;   /* false for a NaN */
 }
 
+uint32_t kelly_block_seal(const kelly_block *block)
+{
+    uint32_t seal = KELLY_SEAL_MEMBERS(0, block, kelly_block, phase_step, full);
+
+    for (unsigned v = 0; v < KELLY_VECTORS; v++) {
+        seal = KELLY_SEAL_MEMBERS(seal, &block->lane[v], kelly_lane, w0, twice_g2);
+        for (unsigned i = 0; i < KELLY_MODES_MAX; i++) {
+            if (block->full) {
+                seal = KELLY_SEAL_MEMBERS(seal, &block->mode[v][i], kelly_mode, w4, m3);
+            } else {
+                seal = KELLY_SEAL_MEMBERS(seal, &block->slow[v][i], kelly_slow_mode, t, w4);
+            }
+        }
+    }
+    return seal;
+}
+
+/* Whether the weight has strayed from its exact phase. Near half a turn a step rounding grows until only its size can be judged. A NaN
+ * would not be seen otherwise: the least of it and 0 is 0, and no weight acts until the next evaluation. */
+int kelly_block_strays(const kelly_block *block, unsigned lane)
+{
+    const kelly_lane *const on = &block->lane[lane / KELLY_WIDTH];
+    const unsigned l = lane % KELLY_WIDTH;
+    const real swing = LANE(on->muf_swing, l), off = LANE(on->wave, l) - swing * kelly_sin_turn(block->phase_step[lane] * block->tick);
+
+    return !(KELLY_ABS(off) <= swing * (LANE(on->wave_k, l) < R(2.0) ? KELLY_STRAY : R(1.0)));
+}
+
 int kelly_block_sane(const kelly_block *block, unsigned lane)
 {
     const unsigned v = lane / KELLY_WIDTH, l = lane % KELLY_WIDTH;
     const kelly_lane *const lane_now = &block->lane[v];
-    int good = within(LANE(lane_now->lowest, l), SANE_SPEED) && within(LANE(lane_now->highest, l), SANE_SPEED) &&
+    int good = !block->strayed[lane] && !kelly_block_strays(block, lane) && within(LANE(lane_now->dwave, l), SANE) &&
+               within(LANE(lane_now->lowest, l), SANE_SPEED) && within(LANE(lane_now->highest, l), SANE_SPEED) &&
                within(LANE(lane_now->y1, l), SANE_SPEED);
 
     for (unsigned i = 0; i < block->modes; i++) {

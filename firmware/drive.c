@@ -278,11 +278,17 @@ void kelly_driven_outputs(kelly_driven *driven, unsigned lane)
 }
 
 /* A commanded top's phi goes into the integer phase, where it does not grow; the drive's is its integral, and stays. */
+/* Of theta_top. */
+static uint64_t phase_of(const kelly_driven *driven, unsigned lane)
+{
+    return driven->phase[lane] + kelly_turns(LANE(driven->lane[lane / KELLY_WIDTH].phi, lane % KELLY_WIDTH), 1000000000u);
+}
+
 void kelly_driven_resync(kelly_driven *driven, unsigned lane)
 {
     kelly_driven_lane *const on = &driven->lane[lane / KELLY_WIDTH];
     const unsigned l = lane % KELLY_WIDTH;
-    const uint64_t phase = driven->phase[lane] + kelly_turns(LANE(on->phi, l), 1000000000u);
+    const uint64_t phase = phase_of(driven, lane);
 
     LANE(on->sine, l) = kelly_sin_turn(phase);
     LANE(on->cosine, l) = kelly_sin_turn(phase + QUARTER_TURN);
@@ -292,6 +298,17 @@ void kelly_driven_resync(kelly_driven *driven, unsigned lane)
     }
 }
 
+/* Whether sine or cosine is further from that of theta_top than rounding leads. A NaN in them would not be seen otherwise. */
+int kelly_driven_strays(const kelly_driven *driven, unsigned lane)
+{
+    const kelly_driven_lane *const on = &driven->lane[lane / KELLY_WIDTH];
+    const unsigned l = lane % KELLY_WIDTH;
+    const uint64_t phase = phase_of(driven, lane);
+    const real sine = LANE(on->sine, l) - kelly_sin_turn(phase), cosine = LANE(on->cosine, l) - kelly_sin_turn(phase + QUARTER_TURN);
+
+    return !(KELLY_ABS(sine) <= KELLY_STRAY && KELLY_ABS(cosine) <= KELLY_STRAY);
+}
+
 void kelly_driven_advance(kelly_driven *driven, uint32_t ticks)
 {
     while (ticks > 0) {
@@ -299,6 +316,7 @@ void kelly_driven_advance(kelly_driven *driven, uint32_t ticks)
         const uint32_t part = ticks < KELLY_RESYNC - since ? ticks : KELLY_RESYNC - since;
 
         for (unsigned lane = 0; since == 0 && lane < driven->vectors * KELLY_WIDTH; lane++) {
+            driven->strayed[lane] |= (uint8_t)(driven->tick > 0 && kelly_driven_strays(driven, lane));
             kelly_driven_resync(driven, lane);
         }
         advance(driven, part);

@@ -87,6 +87,7 @@ typedef struct {
     unsigned vectors;            /* in use */
     uint32_t step_ns;
     uint32_t tick;
+    uint8_t strayed[KELLY_LANES];       /* sine or cosine of this lane was not that of theta_top: 1 */
 } kelly_driven;
 
 /* Prepare for `lanes` realisations (1..KELLY_LANES) of this case at tick 0. Every lane idles until it is loaded. */
@@ -112,6 +113,7 @@ void kelly_driven_weigh(kelly_driven *driven, unsigned lane, const kelly_case *r
 /* Sine and cosine of a lane from its integer phase and phi; what the next step starts from, from the state of its modes. */
 void kelly_driven_resync(kelly_driven *driven, unsigned lane);
 void kelly_driven_outputs(kelly_driven *driven, unsigned lane);
+int kelly_driven_strays(const kelly_driven *driven, unsigned lane);
 
 /* As their namesakes of integrator.h. The twist includes phi: with w0 it gives the mean bit speed under a soft drive. */
 void kelly_driven_watch(kelly_driven *driven);
@@ -121,6 +123,9 @@ void kelly_driven_modal(const kelly_driven *driven, unsigned lane, const kelly_m
                         real q[KELLY_MODES_MAX], real v[KELLY_MODES_MAX]);
 real kelly_driven_twist(const kelly_driven *driven, unsigned lane, const kelly_modes *modes);
 int kelly_driven_sane(const kelly_driven *driven, unsigned lane);
+
+/* A sum over everything that does not change as tops that are not commanded advance: see seal.h. */
+uint32_t kelly_driven_seal(const kelly_driven *driven);
 
 /* Speed of the top now [rad/s], and the torque (S) that it takes where the bit's is bit_torque [N m]. */
 real kelly_driven_top_speed(const kelly_driven *driven, unsigned lane);

@@ -1,5 +1,6 @@
 /* drive_block.c - set up the lanes of drive.h, command them, read them. The stepping is in drive.c. */
 #include "drive.h"
+#include "seal.h"
 
 #define F_OFFSET R(0.01)          /* constant part of f_a / f0, eq. (F) */
 #define SANE R(1e30)              /* states, finite in float with room for one more step */
@@ -121,6 +122,7 @@ void kelly_driven_load(kelly_driven *driven, unsigned lane, const kelly_table *t
     kelly_driven_lane *const on = &driven->lane[lane / KELLY_WIDTH];
 
     driven->phase[lane] = 0;
+    driven->strayed[lane] = 0;
     driven->phase_step[lane] = kelly_turns(top_speed, run->step_ns);
     LANE(on->w_ref, l) = draw->w0;
     LANE(on->a1, l) = draw->a1;
@@ -231,13 +233,31 @@ int kelly_driven_sane(const kelly_driven *driven, unsigned lane)
 {
     const unsigned v = lane / KELLY_WIDTH, l = lane % KELLY_WIDTH;
     const kelly_driven_lane *const on = &driven->lane[v];
-    int good = within(LANE(on->lowest, l), SANE_SPEED) && within(LANE(on->highest, l), SANE_SPEED) &&
+    int good = !driven->strayed[lane] && !kelly_driven_strays(driven, lane) &&
+               within(LANE(on->lowest, l), SANE_SPEED) && within(LANE(on->highest, l), SANE_SPEED) &&
                within(LANE(on->speed, l), SANE_SPEED) && within(LANE(on->eta, l), SANE_SPEED) && within(LANE(on->phi, l), SANE_SPEED);
 
     for (unsigned i = 0; i < driven->modes; i++) {
         good = good && within(LANE(driven->mode[v][i].v, l), SANE) && within(LANE(driven->mode[v][i].x, l), SANE);
     }
     return good;
+}
+
+uint32_t kelly_driven_seal(const kelly_driven *driven)
+{
+    uint32_t seal = KELLY_SEAL_MEMBERS(0, driven, kelly_driven, phase_step, step_ns);
+
+    for (unsigned v = 0; v < KELLY_VECTORS; v++) {
+        const kelly_driven_lane *const on = &driven->lane[v];
+
+        seal = KELLY_SEAL_MEMBERS(seal, on, kelly_driven_lane, w_ref, counted);
+        seal = kelly_seal(seal, on->y.of_t, sizeof(on->y.of_t) + sizeof(on->y.of_u));
+        seal = kelly_seal(seal, on->p.of_t, sizeof(on->p.of_t) + sizeof(on->p.of_u));
+        for (unsigned i = 0; i < KELLY_MODES_MAX; i++) {
+            seal = KELLY_SEAL_MEMBERS(seal, &driven->mode[v][i], kelly_driven_mode, w, d11);
+        }
+    }
+    return seal;
 }
 
 real kelly_driven_top_speed(const kelly_driven *driven, unsigned lane)

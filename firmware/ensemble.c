@@ -1,5 +1,6 @@
 #include "ensemble.h"
 
+#include "seal.h"
 #include "severity.h"
 
 static int soft(const kelly_case *run)
@@ -80,9 +81,41 @@ static void open_window(const kelly_table *table, const kelly_case *run, unsigne
     }
 }
 
-/* One block: up to KELLY_LANES realisations together, whose draws stand in results[], the rest of them zero. */
+/* Over all that the rest of the block relies on and does not change. */
+static uint32_t seal_of(const kelly_case *run, unsigned count, const kelly_result *results, const kelly_work *work)
+{
+    const uint32_t modes = run->torsional | (uint32_t)run->rotating << 8;
+    uint32_t seal = soft(run) ? kelly_driven_seal(&work->driven) : kelly_block_seal(&work->block);
+
+    seal = KELLY_SEAL_MEMBERS(seal, run, kelly_case, fc, cov);            /* what lies between is not the same in every copy */
+    seal = KELLY_SEAL_MEMBERS(seal, run, kelly_case, limit, window_last);
+    seal = KELLY_SEAL_MEMBERS(seal, run, kelly_case, drive, drive);
+    seal = kelly_seal(seal, &modes, sizeof(modes));
+    for (unsigned l = 0; l < count; l++) {
+        const uint32_t flags = results[l].status | (uint32_t)results[l].liftoff << 8;
+
+        seal = kelly_seal(seal, &results[l].draw, sizeof(results[l].draw));
+        seal = kelly_seal(seal, &flags, sizeof(flags));
+    }
+    return seal;
+}
+
+static void give_up(unsigned count, kelly_result *results)
+{
+    for (unsigned l = 0; l < count; l++) {
+        results[l] = (kelly_result){ .draw = results[l].draw, .status = KELLY_CORRUPT, .liftoff = results[l].liftoff };
+    }
+}
+
+/* One block: up to KELLY_LANES realisations together, whose draws stand in results[], the rest of them zero. A table that has
+ * changed may lead anywhere: nothing of it is used. */
 static void begin_block(const kelly_table *table, const kelly_case *run, unsigned count, kelly_result *results, kelly_work *work)
 {
+    if (kelly_table_error(table) != 0) {
+        *work = (kelly_work){ 0 };
+        give_up(count, results);
+        return;
+    }
     if (soft(run)) {
         kelly_driven_clear(&work->driven, table, run, count);
     } else {
@@ -91,6 +124,8 @@ static void begin_block(const kelly_table *table, const kelly_case *run, unsigne
     for (unsigned l = 0; l < count; l++) {
         begin(table, run, l, &results[l], work);
     }
+    work->tick = 0;
+    work->seal = seal_of(run, count, results, work);
     if (run->window_first == 0) {
         open_window(table, run, count, results, work);
     }
@@ -104,14 +139,14 @@ static uint32_t tick_of(const kelly_case *run, const kelly_work *work)
 uint32_t kelly_run_advance(const kelly_table *table, const kelly_case *run, unsigned count, kelly_result *results,
                            kelly_work *work, uint32_t ticks)
 {
-    uint32_t tick = tick_of(run, work);
+    uint32_t tick = work->tick;
 
     while (ticks > 0 && tick < run->window_last) {
         const uint32_t stop = tick < run->window_first ? run->window_first : run->window_last;
         const uint32_t part = ticks < stop - tick ? ticks : stop - tick;
 
         advance(run, part, work);
-        tick += part;
+        work->tick = tick += part;
         ticks -= part;
         if (tick == run->window_first) {
             open_window(table, run, count, results, work);
@@ -120,8 +155,18 @@ uint32_t kelly_run_advance(const kelly_table *table, const kelly_case *run, unsi
     return run->window_last - tick;
 }
 
+static int intact(const kelly_table *table, const kelly_case *run, unsigned count, const kelly_result *results, const kelly_work *work)
+{
+    return work->tick == run->window_last && tick_of(run, work) == work->tick && kelly_table_error(table) == 0 &&
+           seal_of(run, count, results, work) == work->seal;
+}
+
 void kelly_run_finish(const kelly_table *table, const kelly_case *run, unsigned count, kelly_result *results, kelly_work *work)
 {
+    if (!intact(table, run, count, results, work)) {
+        give_up(count, results);
+        return;
+    }
     for (unsigned l = 0; l < count; l++) {
         classify(table, run, l, &results[l], work);
     }

@@ -1,5 +1,10 @@
 /* ensemble.h - draw, integrate, classify a range of indices.
  *
+ * Faults of the memory: the table is checked by its CRC when a block begins and when it ends; the coefficients, the draws, the case
+ * and the number of steps are sealed (seal.h) when it begins, and looked at when it ends. Where one of them has changed, every
+ * realisation of the block gets the status `corrupt`. A change of the state itself is found where it leaves all bounds, and where
+ * the weight strays from its exact phase (integrator.h); for the rest, run twice and compare.
+ *
  * The drive is that of the case, stiff or soft. kelly_run fills results[] for indices first .. first + count - 1: the same bits for any lane count and any way of
  * cutting the range.
  */
@@ -17,6 +22,8 @@ typedef struct {
         kelly_driven driven;     /* soft drive */
     };
     kelly_modes modes;
+    uint32_t seal;               /* of what must not change: seal.h */
+    uint32_t tick;               /* that the block must be at */
 } kelly_work;
 
 /* Realisations first .. first + count - 1 of `seed`; count >= 1, run and table checked by kelly_case_error and

@@ -133,6 +133,7 @@ void kelly_block_advance(kelly_block *block, uint32_t ticks)
 
         if (since == 0) {
             for (unsigned lane = 0; lane < block->vectors * KELLY_WIDTH; lane++) {
+                block->strayed[lane] |= (uint8_t)(block->tick > 0 && kelly_block_strays(block, lane));
                 kelly_block_resync(block, lane);
             }
         }

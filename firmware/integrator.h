@@ -43,6 +43,7 @@
 #include "realisation.h"
 
 #define KELLY_RESYNC 2048u       /* ticks between two exact evaluations of sin(w0 t) */
+#define KELLY_STRAY R(0.001)     /* more than the recurrence may be off by then (5e-6 at 1 ms, 3e-4 at a quarter turn a step): a fault */
 
 /* Coefficients and state of one mode in form M. */
 typedef struct {
@@ -86,6 +87,7 @@ typedef struct {
     unsigned vectors;            /* in use */
     unsigned full;               /* nonzero: form M; always in double */
     uint32_t tick;
+    uint8_t strayed[KELLY_LANES];       /* the weight of this lane was not where its phase is: 1 */
 } kelly_block;
 
 /* Prepare a block for `lanes` realisations (1..KELLY_LANES) of this case at tick 0. Every lane idles until it is loaded. */
@@ -113,8 +115,11 @@ void kelly_block_modal(const kelly_block *block, unsigned lane, const kelly_mode
  * difference over the time, exactly: no sum over the steps is needed. */
 real kelly_block_twist(const kelly_block *block, unsigned lane, const kelly_modes *modes);
 
-/* Whether every state of the lane is a finite number of sane size. */
+/* Whether every state of the lane is a finite number of sane size, and the weight has kept to its phase. */
 int kelly_block_sane(const kelly_block *block, unsigned lane);
+
+/* A sum over everything in the block that does not change as it advances: see seal.h. */
+uint32_t kelly_block_seal(const kelly_block *block);
 
 /* sin(w0 t) of a lane now. */
 real kelly_block_sine(const kelly_block *block, unsigned lane);

@@ -21,10 +21,11 @@ typedef enum {
     KELLY_OK = 0,
     KELLY_STEP = 1,              /* the step is too long for its fastest rate, or too short for its slowest mode: not integrated */
     KELLY_RANGE = 2,             /* fc outside the fit of the table: not integrated */
-    KELLY_NONFINITE = 3          /* the state left all bounds: integrated, not counted */
+    KELLY_NONFINITE = 3,         /* the state left all bounds: integrated, not counted */
+    KELLY_CORRUPT = 4            /* a number that must not change did, in memory: not counted */
 } kelly_status;
 
-#define KELLY_STATUSES 4
+#define KELLY_STATUSES 5
 
 #define KELLY_REAL_AXIS R(2.785)       /* RK4 is stable to h lambda = 2.78529 on the negative real axis */
 #define KELLY_IMAGINARY_AXIS R(2.8)    /* and to h w = 2 sqrt 2 = 2.82843 on the imaginary axis */

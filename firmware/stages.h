@@ -43,4 +43,7 @@ KELLY_INLINE void fourth_torque(const kelly_lane *on, stages *at)
 /* The weight of a lane from its exact integer phase, and the torque that follows from it. */
 void kelly_block_resync(kelly_block *block, unsigned lane);
 
+/* Whether it is further from there than rounding leads. */
+int kelly_block_strays(const kelly_block *block, unsigned lane);
+
 #endif

@@ -16,8 +16,10 @@
 
 #include "real.h"
 
-#define KELLY_SCHEMA 1u          /* raised whenever a field of the table changes its meaning */
+#define KELLY_SCHEMA 2u          /* raised whenever a field of the table changes its meaning */
 #define KELLY_MODES_MAX 20       /* most torsional modes, and most axial modes, that a table or a run may have */
+#define KELLY_DEGREE_MAX 7       /* of the polynomials of a table */
+#define KELLY_ID_MAX 64          /* characters of a table's id, the 0 at its end included */
 #define KELLY_PARAMETERS 5       /* random parameters: fc, mu, a1, a2, w0, in this order everywhere */
 
 /* A soft drive at the top: J_d theta_top'' = 4 Z e + (2 pi f)^2 J_d int e dt - T_top, e = w0 - theta_top'. */
@@ -46,9 +48,14 @@ typedef struct {
     kelly_drive drive;            /* of the top; zeros: stiff */
 } kelly_case;
 
+/* The CRCs find a table that has changed where it lies: CRC-32C of the values as this build holds them, least significant byte
+ * first, computed by the generator for float and for double (gen/emit_c.py). The head says how long the arrays are, so that its
+ * own is looked at first. A pointer is in neither: what it leads to is. */
 typedef struct {
     uint32_t schema;              /* KELLY_SCHEMA of the generator */
     uint32_t real_bytes;          /* sizeof(real) that the table was compiled with */
+    uint32_t head_crc;            /* of the id and of every number of this struct */
+    uint32_t arrays_crc;          /* of w2, b, d, axial_w2, axial_b, free_w2, axial_free_w2 */
     const char *id;               /* name and CRC of the values, "paper-1a2b3c4d" */
     uint16_t torsional;           /* torsional modes carried */
     uint16_t axial;               /* axial modes carried; mode 0 is the rigid one, w2 = 0 */
@@ -73,6 +80,7 @@ typedef struct {
 typedef struct {
     uint32_t schema;
     uint32_t real_bytes;
+    uint32_t crc;                 /* of the arrays, in this order */
     const char *id;               /* equals that of the table */
     const real *x;                /* [nodes] distance from the top [m] */
     const real *twist;            /* [torsional * nodes * (degree + 1)]: p = &twist[(i * nodes + k) * (degree + 1)] */
@@ -92,8 +100,12 @@ typedef struct {
     real d[KELLY_MODES_MAX];
 } kelly_modes;
 
-/* 0 if the table fits this build (schema, precision, counts within the limits), otherwise a short reason. */
+/* 0 if the table fits this build (schema, precision, counts within the limits) and is as it was generated (its CRCs), otherwise a
+ * short reason. Cost: a CRC of some 2 KB in float. To be called before anything else is done with a table, and now and then. */
 const char *kelly_table_error(const kelly_table *table);
+
+/* The same for the shapes of a table that is sound; some 85 KB in float. */
+const char *kelly_shapes_error(const kelly_table *table, const kelly_shapes *shapes);
 
 /* Polynomial p[0..degree] at s, by Horner's rule. */
 real kelly_poly(const real *p, unsigned degree, real s);

@@ -23,7 +23,7 @@ typedef struct {
     uint32_t digest;             /* CRC-32C over each index in order, see kelly_tally_add */
 } kelly_tally;
 
-/* Realisations that have no result: step + range + nonfinite. */
+/* Realisations that have no result: step + range + nonfinite + corrupt. */
 uint32_t kelly_refused(const kelly_tally *tally);
 
 /* Add the result of `index`; indices in increasing order. The digest covers, little-endian: u32 index, the draw (5 real),

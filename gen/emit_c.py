@@ -5,7 +5,7 @@ Literals are hexadecimal, so the compiler rounds each of them once, to float or 
 import math
 import struct
 
-SCHEMA = 1          # KELLY_SCHEMA of string_model.h
+SCHEMA = 2          # KELLY_SCHEMA of string_model.h
 COVS = ("fc", "mu", "a1", "a2", "w0")
 
 
@@ -17,7 +17,8 @@ def emit(well, bars, reduction, stable, certificate, source):
     counts = _counts(well, reduction)
     identity = f"{well.name}-{_crc32c(_bytes(counts, scalars, arrays, shapes)):08x}"
     table = (_banner(well, source, certificate) + _guards(well, stable)
-             + "".join(_array(*item) for item in arrays) + _table(identity, counts, scalars, _impedance(well)))
+             + "".join(_array(*item) for item in arrays)
+             + _table(identity, counts, scalars, _impedance(well), [_head_crc(identity, counts, scalars, _impedance(well)), _held_crc(arrays)]))
     return table, _shapes_banner(well, source) + _shapes(identity, bars, shapes, reduction)
 
 
@@ -78,6 +79,32 @@ def _bytes(counts, scalars, arrays, shapes):
     for *_, rows in arrays + shapes:
         numbers += [value for row in rows for value in row]
     return struct.pack(f"<{len(counts)}I", *counts.values()) + struct.pack(f"<{len(numbers)}d", *numbers)
+
+
+# The table checks itself where it lies (string_model.c): CRCs of the values as C holds them, -> (of a float build, of a double build).
+
+HEAD = ("fc_min", "fc_max", "fc_mid", "fc_scale", "alpha", "beta", "inertia", "impedance", "fc", "mu", "a1", "a2", "w0", "f0", "limit")
+
+
+def _held(numbers, kind):
+    return struct.pack(f"<{len(numbers)}{kind}", *(value + 0.0 for value in numbers))
+
+
+def _head_crc(identity, counts, scalars, impedance):
+    values = {**scalars, "impedance": impedance}
+    drive = [0.0, 0.0, 0.0]
+    start = struct.pack(f"<{len(counts)}I", *counts.values())
+    end = _held([scalars["cov_" + name] for name in COVS], "f") + identity.encode()
+    return tuple(_crc32c(start + _held([values[name] for name in HEAD] + drive, kind) + end) for kind in "fd")
+
+
+def _held_crc(arrays):
+    numbers = [value for *_, rows in arrays for row in rows for value in row]
+    return tuple(_crc32c(_held(numbers, kind)) for kind in "fd")
+
+
+def _crc(name, pair):
+    return f"    .{name} = sizeof(real) == sizeof(float) ? 0x{pair[0]:08x}u : 0x{pair[1]:08x}u,\n"
 
 
 def _crc32c(data):
@@ -157,8 +184,9 @@ def _field(name, value, indent="    "):
     return f"{text:48} /* {value!r} */\n"
 
 
-def _table(identity, counts, scalars, impedance):
+def _table(identity, counts, scalars, impedance, crcs):
     text = "const kelly_table kelly_string = {\n    .schema = KELLY_SCHEMA,\n    .real_bytes = sizeof(real),\n"
+    text += _crc("head_crc", crcs[0]) + _crc("arrays_crc", crcs[1])
     text += f'    .id = "{identity}",\n'
     text += "".join(f"    .{name} = {counts[name]},\n" for name in ("torsional", "axial", "degree", "nodes"))
     text += "".join(_field(name, scalars[name]) for name in
@@ -193,5 +221,6 @@ def _shapes(identity, bars, shapes, reduction):
             text += "    " + ", ".join(_real(value) for value in row) + ",\n"
         text += "};\n\n"
     text += "const kelly_shapes kelly_string_shapes = {\n    .schema = KELLY_SCHEMA,\n    .real_bytes = sizeof(real),\n"
+    text += _crc("crc", _held_crc(shapes))
     text += f'    .id = "{identity}",\n' + "".join(f"    .{name} = {name},\n" for name, _ in shapes)
     return text + "};\n"

@@ -42,6 +42,7 @@ VALUES = {
         (1, "step", "step too long or too short for this draw"),
         (2, "range", "weight outside the fit of the table"),
         (3, "nonfinite", "the state left all bounds"),
+        (4, "corrupt", "a number that must not change did, in the board's memory"),
     ]),
     "state": ("KELLY_STATE", [
         (0, "idle", "nothing runs"),

@@ -19,7 +19,7 @@ const command_help montecarlo_help = {
     .notes = "CSV: index,fc_kN,mu,alpha1,alpha2,rpm,bit_min_rpm,bit_max_rpm,bit_mean_rpm,ss,stuck,status,liftoff.\n"
              "ss = (max - min)/(max + min) of the bit speed over the window decides (10 where max + min <= 0);\n"
              "SSI = (max - min)/(2 mean), the index of rig displays, is reported beside it (JSON: ssi).\n"
-             "A realisation that cannot be trusted has a status (step, range, nonfinite) and is never counted.\n"
+             "A realisation that cannot be trusted has a status (step, range, nonfinite, corrupt) and is never counted.\n"
              "OUTPUT.journal beside the first output, CSV or JSON, holds what is done, 48 bytes a realisation (88 in double), and goes when all\n"
              "is written; OUTPUT.convergence.journal is that of --convergence. --resume runs only what is missing in them; --envelope and\n"
              "--traces, which hold all in memory, run again.",

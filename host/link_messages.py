@@ -6,11 +6,11 @@ frame("hello", seq, schema=SCHEMA, nonce=1) -> bytes to send; Receiver().feed(by
 import link_codec
 from link_codec import crc32c, draw_crc, job, raw_frame      # noqa: F401
 
-SCHEMA = 0x47336ed1
+SCHEMA = 0xe3feda33
 
 ERROR = {1: "schema", 2: "type", 3: "body", 4: "value", 5: "refused", 6: "no_case", 7: "order", 8: "mode"}
 WATCHDOG = {0: "none", 1: "software", 2: "hardware"}
-STATUS = {0: "ok", 1: "step", 2: "range", 3: "nonfinite"}
+STATUS = {0: "ok", 1: "step", 2: "range", 3: "nonfinite", 4: "corrupt"}
 STATE = {0: "idle", 1: "campaign", 2: "lockstep", 3: "realtime"}
 SOURCE = {0: "nominal", 1: "sample"}
 MODE = {2: "lockstep", 3: "realtime"}
@@ -82,7 +82,7 @@ MESSAGES = {
         ("highest", "real", 0, 0),
         ("mean", "real", 0, 0),
         ("ss", "real", 0, 0),
-        ("status", "u8", 0, 3),
+        ("status", "u8", 0, 4),
         ("stuck", "u8", 0, 1),
         ("liftoff", "u8", 0, 1),
     )),
@@ -112,7 +112,7 @@ MESSAGES = {
     )),
     "plant_reply": (11, "board", (
         ("session", "u32", 0, 4294967295),
-        ("status", "u8", 0, 3),
+        ("status", "u8", 0, 4),
         ("reason", "u8", 0, 255),
     )),
     "lock_step": (12, "host", (

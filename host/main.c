@@ -83,10 +83,11 @@ static int help(const char *name)
 
 int main(int argc, char **argv)
 {
-    const char *const error = kelly_table_error(&kelly_string);
+    const char *error = kelly_table_error(&kelly_string);
 
+    error = error ? error : kelly_shapes_error(&kelly_string, &kelly_string_shapes);
     if (error) {
-        die(EXIT_FAILED, "%s: %s", kelly_string.id, error);
+        die(EXIT_FAILED, "%.*s: %s", KELLY_ID_MAX, kelly_string.id, error);
     }
     if (team_rank() > 0 && !freopen("/dev/null", "w", stdout)) {   /* of several processes the first alone prints */
         die(EXIT_FAILED, "/dev/null: cannot be opened: %s", strerror(errno));

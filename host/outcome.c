@@ -8,7 +8,7 @@
 #define SHOWN 12u                /* refused realisations that are named on the terminal */
 #define DIGITS (sizeof(real) > sizeof(float) ? 17 : 9)
 
-const char *const status_names[KELLY_STATUSES] = { "ok", "step", "range", "nonfinite" };
+const char *const status_names[KELLY_STATUSES] = { "ok", "step", "range", "nonfinite", "corrupt" };
 
 /* Text of the CSV, and its CRC for the JSON beside it: `kelly merge` asks whether the two belong together. */
 void outcome_lines(outcome *out, const char *text, size_t length)
@@ -87,8 +87,8 @@ static void write_case(FILE *to, const outcome *out)
 
 static void write_refused(FILE *to, const outcome *out)
 {
-    fprintf(to, "  \"refused_by\": {\"step\": %u, \"range\": %u, \"nonfinite\": %u},\n  \"refused_first\": [", out->tally.status[KELLY_STEP],
-            out->tally.status[KELLY_RANGE], out->tally.status[KELLY_NONFINITE]);
+    fprintf(to, "  \"refused_by\": {\"step\": %u, \"range\": %u, \"nonfinite\": %u, \"corrupt\": %u},\n  \"refused_first\": [", out->tally.status[KELLY_STEP],
+            out->tally.status[KELLY_RANGE], out->tally.status[KELLY_NONFINITE], out->tally.status[KELLY_CORRUPT]);
     for (uint32_t i = 0; i < listed(out); i++) {
         fprintf(to, "%s[%u, \"%s\"]", i ? ", " : "", out->refused[i], status_names[out->why[i]]);
     }

@@ -164,7 +164,7 @@ static uint8_t status_of(const stored_rows *rows, const char *text)
             return (uint8_t)k;
         }
     }
-    bad_line(rows, "no such status", "there are ok, step, range and nonfinite");
+    bad_line(rows, "no such status", "there are ok, step, range, nonfinite and corrupt");
 }
 
 static void split(const stored_rows *rows, char *line, char *field[FIELDS])

@@ -223,7 +223,7 @@ def record(row):
     units = (("fc_kN", 1e3), ("mu", 1), ("alpha1", 1), ("alpha2", 1), ("rpm", RPM), ("bit_min_rpm", RPM), ("bit_max_rpm", RPM),
              ("bit_mean_rpm", RPM), ("ss", 1))
     values = [float(row[name] or 0.0) * unit for name, unit in units]
-    return struct.pack("<I9fB", int(row["index"]), *values, ("ok", "step", "range", "nonfinite").index(row["status"]))
+    return struct.pack("<I9fB", int(row["index"]), *values, ("ok", "step", "range", "nonfinite", "corrupt").index(row["status"]))
 
 
 def engines():

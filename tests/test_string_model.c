@@ -31,8 +31,43 @@ static void refuses_other_tables(void)
     CHECK(kelly_table_error(&table) != 0);
     table.axial = KELLY_MODES_MAX + 1;
     CHECK(kelly_table_error(&table) != 0);
+}
+
+static int damaged(const kelly_table *table)
+{
+    const char *const error = kelly_table_error(table);
+
+    return error != 0 && starts_with(error, "table is damaged");
+}
+
+/* Any number that is not what the generator wrote is found, before a degree or a count leads out of the arrays. */
+static void finds_damage(void)
+{
+    kelly_table table = kelly_string;
+    real w2[KELLY_MODES_MAX * (KELLY_DEGREE_MAX + 1)];
+    const unsigned n = kelly_string.torsional * (kelly_string.degree + 1u);
+
     table.axial = KELLY_MODES_MAX;
+    CHECK(damaged(&table));
+    table = kelly_string;
+    table.degree += 1;
+    CHECK(damaged(&table));
+    table.degree = UINT16_MAX;
+    CHECK(damaged(&table));
+    table = kelly_string;
+    table.beta = table.beta * R(1.000001);
+    CHECK(damaged(&table));
+    table = kelly_string;
+    table.nominal.rotating ^= 1u;
+    CHECK(damaged(&table));
+    table = kelly_string;
+    table.w2 = w2;
+    for (unsigned k = 0; k < n; k++) {
+        w2[k] = kelly_string.w2[k];
+    }
     CHECK(kelly_table_error(&table) == 0);
+    w2[n - 1] += 1;
+    CHECK(damaged(&table));
 }
 
 static void evaluates_polynomials(void)
@@ -118,6 +153,7 @@ void test_string_model(void);
 void test_string_model(void)
 {
     refuses_other_tables();
+    finds_damage();
     evaluates_polynomials();
     gives_the_paper_modes();
     keeps_to_its_range();

@@ -8,7 +8,7 @@
 
 static void say_result(uint32_t index, const kelly_result *result)
 {
-    static const char *const why[KELLY_STATUSES] = { "", "step", "range", "nonfinite" };
+    static const char *const why[KELLY_STATUSES] = { "", "step", "range", "nonfinite", "corrupt" };
 
     say_number("realisation ", index);
     if (result->status != KELLY_OK) {

@@ -139,7 +139,7 @@ static const kelly_field result_fields[] = {
     FIELD(result, highest, REAL, 0, 0),
     FIELD(result, mean, REAL, 0, 0),
     FIELD(result, ss, REAL, 0, 0),
-    FIELD(result, status, U8, 0, 3),
+    FIELD(result, status, U8, 0, 4),
     FIELD(result, stuck, U8, 0, 1),
     FIELD(result, liftoff, U8, 0, 1),
 };
@@ -210,7 +210,7 @@ int kelly_get_plant_start(const uint8_t *body, size_t size, kelly_msg_plant_star
 
 static const kelly_field plant_reply_fields[] = {
     FIELD(plant_reply, session, U32, 0, 0),
-    FIELD(plant_reply, status, U8, 0, 3),
+    FIELD(plant_reply, status, U8, 0, 4),
     FIELD(plant_reply, reason, U8, 0, 255),
 };
 

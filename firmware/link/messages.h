@@ -10,7 +10,7 @@
 #include "../real.h"
 #include "fields.h"
 
-#define KELLY_LINK_SCHEMA 0x47336ed1u
+#define KELLY_LINK_SCHEMA 0xe3feda33u
 #define KELLY_BODY_MAX 362u                 /* of all of them [bytes] */
 
 enum {
@@ -61,6 +61,7 @@ enum {
     KELLY_LINK_STATUS_STEP = 1,             /* step too long or too short for this draw */
     KELLY_LINK_STATUS_RANGE = 2,            /* weight outside the fit of the table */
     KELLY_LINK_STATUS_NONFINITE = 3,        /* the state left all bounds */
+    KELLY_LINK_STATUS_CORRUPT = 4,          /* a number that must not change did, in the board's memory */
 };
 
 /* state */
