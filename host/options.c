@@ -261,6 +261,8 @@ static int parse_flag(options *out, const char *name, unsigned takes)
 {
     if (takes & TAKES_ENSEMBLE && strcmp(name, "--convergence") == 0) {
         out->convergence = 1;
+    } else if (takes & TAKES_ENSEMBLE && strcmp(name, "--twice") == 0) {
+        out->twice = 1;
     } else if (strcmp(name, "--quiet") == 0) {
         out->quiet = 1;
     } else {
