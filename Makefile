@@ -150,13 +150,17 @@ endif
 unit_objects := $(patsubst tests/%.c,$(dir)/tests/%.o,tests/main.c tests/check.c tests/fixture.c tests/textbook.c $(wildcard tests/test_*.c))
 engine_objects := $(dir)/host/engine.o $(dir)/host/files.o
 
-unit: $(dir)/unit $(dir)/lanes $(dir)/accuracy $(dir)/drive-numbers $(dir)/random-stream
+unit: $(dir)/unit $(dir)/lanes $(dir)/accuracy $(dir)/drive-numbers $(dir)/faults $(dir)/faults-lanes $(dir)/random-stream
 
 $(dir)/unit: $(unit_objects) $(library) $(table_objects)
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -o $@
 $(dir)/lanes: $(dir)/tests/host_lanes.o $(dir)/tests/check.o $(engine_objects) $(library) $(table_objects)
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -o $@
 $(dir)/drive-numbers: $(dir)/tests/host_drive.o $(library) $(table_objects)
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -o $@
+$(dir)/faults: $(dir)/tests/host_faults.o $(dir)/tests/check.o $(engine_objects) $(library) $(table_objects)
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -o $@
+$(dir)/faults-lanes: $(dir)/$(firstword $(engines))/tests/host_faults.o $(dir)/tests/check.o $(engine_objects) $(library) $(table_objects)
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -o $@
 $(dir)/accuracy: $(dir)/tests/host_accuracy.o $(dir)/detmath.o $(dir)/random.o
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -lm -o $@
@@ -168,8 +172,14 @@ $(dir)/tests/%.o: tests/%.c $(dir)/flags
 	@mkdir -p $(@D); echo 'CC $<' >&2
 	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) $(warnings) $(required) $(host_only) $(real_flag) -DCHECK_LONG=1 -MMD -MP -c $< -o $@
 
+# A test that looks into the lanes of a vector unit.
+$(dir)/$(firstword $(engines))/tests/%.o: tests/%.c $(dir)/flags
+	@mkdir -p $(@D); echo 'CC $< for $(firstword $(engines))' >&2
+	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) $(warnings) $(required) $(filter-out -DKELLY_X86,$(host_only)) $(real_flag) $($(firstword $(engines))_flags) -DKELLY_ISA=$(firstword $(engines)) \
+	 -MMD -MP -c $< -o $@
+
 .SECONDARY:
--include $(wildcard $(dir)/*.d $(dir)/*/*.d)
+-include $(wildcard $(dir)/*.d $(dir)/*/*.d $(dir)/*/tests/*.d)
 
 run: $(dir)/kelly                             ## the main job: both rocks of the paper, P with its interval; TARGET=NAME: on a board
 ifeq ($(name),paper)

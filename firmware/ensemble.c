@@ -152,7 +152,7 @@ uint32_t kelly_run_advance(const kelly_table *table, const kelly_case *run, unsi
             open_window(table, run, count, results, work);
         }
     }
-    return run->window_last - tick;
+    return tick < run->window_last ? run->window_last - tick : 0;   /* beyond it only where a fault has put it: an end, too */
 }
 
 static int intact(const kelly_table *table, const kelly_case *run, unsigned count, const kelly_result *results, const kelly_work *work)

@@ -41,7 +41,7 @@ uint32_t kelly_run_advance(const kelly_table *table, const kelly_case *run, unsi
                            kelly_work *work, uint32_t ticks);
 void kelly_run_finish(const kelly_table *table, const kelly_case *run, unsigned count, kelly_result *results, kelly_work *work);
 
-/* The same for draws of the caller's: result i is that of draws[i], whose parameters must be finite and positive. What
+/* The same for draws of the caller's: result i is that of draws[i], the status `range` where a parameter is not finite and positive. What
  * kelly_run gives for its own draws, bit for bit. */
 void kelly_run_draws(const kelly_table *table, const kelly_case *run, const kelly_draw *draws, uint32_t count,
                      kelly_result *results, kelly_work *work);

@@ -8,7 +8,7 @@
 
 static int positive(real x)
 {
-    return x > 0 && x < R(1e30);   /* false for a NaN */
+    return x > 0 && x <= R(1e30);   /* false for a NaN */
 }
 
 static int drive_in_range(const kelly_drive *drive)
@@ -158,12 +158,17 @@ real kelly_smallest_step(const kelly_modes *modes)
     return GRAIN / (real)kelly_sqrt32((float)modes->w2[0]);
 }
 
+static int sound(const kelly_draw *draw)
+{
+    return positive(draw->fc) && positive(draw->mu) && positive(draw->a1) && positive(draw->a2) && positive(draw->w0);
+}
+
 kelly_status kelly_realise(const kelly_table *table, const kelly_case *run, const kelly_draw *draw, kelly_modes *modes)
 {
     const real h = kelly_step_seconds(run);
     real lambda, w2;
 
-    if (!kelly_modes_at(table, draw->fc, run->torsional, modes)) {
+    if (!sound(draw) || !kelly_modes_at(table, draw->fc, run->torsional, modes)) {
         return KELLY_RANGE;
     }
     fastest(table, run, draw, modes, draw->fc, &lambda, &w2);

@@ -20,7 +20,7 @@ typedef struct {
 typedef enum {
     KELLY_OK = 0,
     KELLY_STEP = 1,              /* the step is too long for its fastest rate, or too short for its slowest mode: not integrated */
-    KELLY_RANGE = 2,             /* fc outside the fit of the table: not integrated */
+    KELLY_RANGE = 2,             /* fc outside the fit of the table, or a parameter that is not in 0..1e30, 0 excluded: not integrated */
     KELLY_NONFINITE = 3,         /* the state left all bounds: integrated, not counted */
     KELLY_CORRUPT = 4            /* a number that must not change did, in memory: not counted */
 } kelly_status;
@@ -41,6 +41,7 @@ void kelly_draw_sample(const kelly_case *run, uint64_t seed, uint32_t index, kel
 void kelly_draw_nominal(const kelly_case *run, kelly_draw *draw);
 
 /* The draw's torsional modes and whether it may be integrated: KELLY_OK, KELLY_STEP or KELLY_RANGE (modes untouched).
+ * A draw of the caller's own may hold anything: what is not finite and positive is KELLY_RANGE.
  * RK4 is stable on the negative real axis to h lambda = 2.785 and on the imaginary axis to h w = 2.8 (2 sqrt 2);
  * lambda <= mu |f|max (1 + a1) sum b_i^2 + max beta w_i^2 with |f|max = fc + f0. A soft drive, whose rotor s = J_d + J - sum d_i^2
  * swings with the modes, adds (1 - sum d_i b_i)^2 / s to sum b_i^2 and 4 Z / s to lambda, and max w_i^2 grows by the factor

@@ -60,7 +60,7 @@ double cell_probability(const cell *c)
     return c->tally.samples > kelly_refused(&c->tally) ? (double)kelly_probability(&c->tally) : (double)NAN;
 }
 
-/* The tally in its own order: samples, stuck, lift-off, the four statuses, digest. */
+/* The tally in its own order: samples, stuck, lift-off, the statuses but corrupt, of which there is none here, digest. */
 void cell_pack(const cell *c, uint8_t payload[CELL_PAYLOAD])
 {
     const kelly_tally *const t = &c->tally;
@@ -198,6 +198,9 @@ static void close_segment(workshop *w, segment *g)
     uint32_t more;
 
     for (uint32_t i = 0; i < g->count; i++) {
+        if (g->results[i].status == KELLY_CORRUPT) {
+            die(EXIT_FAILED, "realisation %u: a number in memory changed while it ran; look at this machine's memory, and run again", g->base + i);
+        }
         kelly_tally_add(&c->tally, g->base + i, &g->results[i]);
     }
     kelly_interval(&c->tally, &c->lo, &c->hi);
@@ -221,7 +224,7 @@ static void run_piece(const workshop *w, const segment *g, uint32_t piece, void 
 {
     const uint32_t from = piece_start(w, g, piece), to = piece_start(w, g, piece + 1);
 
-    w->s->engine->run(&kelly_string, &g->run, w->s->opts->seed, g->base + from, to - from, &g->results[from], work);
+    engine_run(w->s->engine, w->s->opts, &g->run, g->base + from, to - from, &g->results[from], work);
 }
 
 static void *worker(void *context)

@@ -7,7 +7,7 @@ static const kelly_engine *engine;   /* chosen once, before the threads start */
 
 static void work_piece(const options *opts, uint32_t first, uint32_t count, void *results, void *work)
 {
-    engine->run(&kelly_string, &opts->run, opts->seed, first, count, results, work);
+    engine_run(engine, opts, &opts->run, first, count, results, work);
 }
 
 const command_help montecarlo_help = {

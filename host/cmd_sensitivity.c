@@ -47,7 +47,7 @@ static void work_rows(const options *opts, uint32_t first, uint32_t count, void 
     }
     for (uint32_t done = 0; done < n; done += step) {
         step = n - done < most ? n - done : most;
-        engine->run_draws(&kelly_string, &opts->run, draws + done, step, r + done, work);
+        engine_run_draws(engine, opts, draws + done, step, r + done, work);
     }
 }
 

@@ -30,6 +30,7 @@ typedef struct {
     const char *engine;           /* vector unit by name, or 0 for the widest */
     const char *field;            /* simulate: displacement and twist along the string, F.npy or F.csv, or 0 */
     int resume;                   /* go on from the journal */
+    int twice;                    /* run each realisation twice; where the two differ it is corrupt */
     int quiet;                    /* no summary */
     int progress;                 /* PROGRESS_... */
 } options;
@@ -177,6 +178,11 @@ const kelly_engine *engine_choose(const char *name);
 
 /* Realisations that this engine best runs together: fewer than it holds where many modes would leave the cache. */
 unsigned engine_lanes(const kelly_engine *engine, const kelly_case *run);
+
+/* e->run and e->run_draws for a run of opts: once, or with --twice two times. `count` results. */
+void engine_run(const kelly_engine *e, const options *opts, const kelly_case *run, uint32_t first, uint32_t count,
+                kelly_result *results, void *work);
+void engine_run_draws(const kelly_engine *e, const options *opts, const kelly_draw *draws, uint32_t count, kelly_result *results, void *work);
 
 unsigned processors(void);
 

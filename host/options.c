@@ -263,6 +263,8 @@ static int parse_flag(options *out, const char *name, unsigned takes)
         out->convergence = 1;
     } else if (takes & TAKES_RESUME && strcmp(name, "--resume") == 0) {
         out->resume = 1;
+    } else if (takes & TAKES_ENSEMBLE && strcmp(name, "--twice") == 0) {
+        out->twice = 1;
     } else if (strcmp(name, "--quiet") == 0) {
         out->quiet = 1;
     } else {

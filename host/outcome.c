@@ -208,6 +208,9 @@ static void print_outcome(const outcome *out, double lo, double hi)
     printf("refused %u (step %u, range %u, nonfinite %u), lift-off %u, seed %llu, first %u, digest %08x, %s, %s, %.2f s\n", kelly_refused(t),
            t->status[KELLY_STEP], t->status[KELLY_RANGE], t->status[KELLY_NONFINITE], t->liftoff, (unsigned long long)out->opts->seed,
            out->opts->first, t->digest, sizeof(real) > 4 ? "double" : "float", out->engine, out->seconds);
+    if (t->status[KELLY_CORRUPT] > 0) {
+        printf("corrupt %u: a number in memory changed while they ran; look at the memory of the machine, and run them again\n", t->status[KELLY_CORRUPT]);
+    }
     until_print(&out->until, t->samples);
     warn(out);
     for (uint32_t i = 0; i < listed(out) && i < SHOWN; i++) {
