@@ -67,7 +67,7 @@ def draw_panel(axes, data, panel, other, point):
     draw_contours(axes, rpm, wob, p)
     axes.plot(numbers(data[f"{edge}_rpm"]), wob, color=BLUE, marker="o", markersize=4.2, markerfacecolor="white", markeredgewidth=1.1,
               linestyle="none", zorder=4)
-    refused = sum(grid(data, start, f"refused_{why}") for why in ("step", "range", "nonfinite", "corrupt")) > 0
+    refused = sum(grid(data, start, f"refused_{why}") for why in ("step", "range", "nonfinite")) > 0
     j, i = np.nonzero(refused)
     axes.plot(rpm[i], wob[j], "x", color=GREY, markersize=4, zorder=3, clip_on=False)
     axes.plot(*point, marker="*", markersize=14, color="white", markeredgecolor="black", markeredgewidth=1.1, zorder=7, linestyle="none")

@@ -21,8 +21,8 @@ static void csv_cell(FILE *to, const cell *c)
     const kelly_tally *const t = &c->tally;
 
     csv_number(to, cell_probability(c));
-    fprintf(to, "%.12g,%.12g,%u,%u,%u,%u,%u,%u,%u,", c->lo, c->hi, t->samples, t->stuck, t->status[KELLY_STEP], t->status[KELLY_RANGE],
-            t->status[KELLY_NONFINITE], t->status[KELLY_CORRUPT], t->liftoff);
+    fprintf(to, "%.12g,%.12g,%u,%u,%u,%u,%u,%u,", c->lo, c->hi, t->samples, t->stuck, t->status[KELLY_STEP], t->status[KELLY_RANGE],
+            t->status[KELLY_NONFINITE], t->liftoff);
 }
 
 /* A line a cell, weights rising, speeds rising within; onset and release are those of the weight. */
@@ -30,8 +30,8 @@ void write_map_csv(FILE *to, const driller_map *map)
 {
     fputs("rpm,wob_kN,f0_kN", to);
     for (unsigned b = 0; b < 2; b++) {
-        fprintf(to, ",%s_p,%s_lo95,%s_hi95,%s_samples,%s_stuck,%s_refused_step,%s_refused_range,%s_refused_nonfinite,%s_refused_corrupt,%s_liftoff",
-                starts[b], starts[b], starts[b], starts[b], starts[b], starts[b], starts[b], starts[b], starts[b], starts[b]);
+        fprintf(to, ",%s_p,%s_lo95,%s_hi95,%s_samples,%s_stuck,%s_refused_step,%s_refused_range,%s_refused_nonfinite,%s_liftoff", starts[b],
+                starts[b], starts[b], starts[b], starts[b], starts[b], starts[b], starts[b], starts[b]);
     }
     fputs(",release_rpm,onset_rpm\n", to);
     for (uint32_t row = 0; row < map->wob.count; row++) {
@@ -86,16 +86,15 @@ static void json_axis(FILE *to, const char *name, const double *at, uint32_t cou
 }
 
 /* What the grids of a start hold, in this order. */
-enum { P, LO, HI, SAMPLES, STUCK, STEP, RANGE, NONFINITE, CORRUPT, LIFTOFF, DIGEST, GRIDS };
+enum { P, LO, HI, SAMPLES, STUCK, STEP, RANGE, NONFINITE, LIFTOFF, DIGEST, GRIDS };
 static const char *const grid_names[GRIDS] = { "probability", "lo95", "hi95", "samples", "stuck", "refused_step", "refused_range",
-                                               "refused_nonfinite", "refused_corrupt", "liftoff", "digest" };
+                                               "refused_nonfinite", "liftoff", "digest" };
 
 static void json_value(FILE *to, const cell *c, unsigned what)
 {
     const kelly_tally *const t = &c->tally;
     const uint32_t counts[GRIDS] = { [SAMPLES] = t->samples, [STUCK] = t->stuck, [STEP] = t->status[KELLY_STEP],
-                                     [RANGE] = t->status[KELLY_RANGE], [NONFINITE] = t->status[KELLY_NONFINITE],
-                                     [CORRUPT] = t->status[KELLY_CORRUPT], [LIFTOFF] = t->liftoff };
+                                     [RANGE] = t->status[KELLY_RANGE], [NONFINITE] = t->status[KELLY_NONFINITE], [LIFTOFF] = t->liftoff };
 
     if (what == DIGEST) {
         fprintf(to, "\"%08x\"", t->digest);

@@ -35,8 +35,7 @@ def same_cell(cell, mc, what):
     """A cell of the JSON of a map and a montecarlo run: the same realisations, the same numbers."""
     want = {"probability": mc["probability"], "lo95": mc["ci95"][0], "hi95": mc["ci95"][1], "samples": mc["samples"], "stuck": mc["stuck"],
             "refused_step": mc["refused_by"]["step"], "refused_range": mc["refused_by"]["range"],
-            "refused_nonfinite": mc["refused_by"]["nonfinite"],
-            "refused_corrupt": mc["refused_by"]["corrupt"], "liftoff": mc["liftoff"], "digest": mc["digest"]}
+            "refused_nonfinite": mc["refused_by"]["nonfinite"], "liftoff": mc["liftoff"], "digest": mc["digest"]}
     claim(cell == want, f"{what}: {cell} is not montecarlo's {want}")
 
 
@@ -191,7 +190,7 @@ def check_files(folder):
         value = p[STARTS.index(start), j, i]
         claim((np.isnan(value) and cell["probability"] is None and row[f"{start}_p"] == "") or
               (value == cell["probability"] and abs(float(row[f"{start}_p"]) - value) < 1e-11), f"P of {start} {j} {i}: {value}, {cell}, {row}")
-        for name in ("samples", "stuck", "refused_step", "refused_range", "refused_nonfinite", "refused_corrupt", "liftoff"):
+        for name in ("samples", "stuck", "refused_step", "refused_range", "refused_nonfinite", "liftoff"):
             claim(int(row[f"{start}_{name}"]) == cell[name], f"{name} of {start} {j} {i}")
         for name in ("lo95", "hi95"):
             claim(abs(float(row[f"{start}_{name}"]) - cell[name]) < 1e-11, f"{name} of {start} {j} {i}")
