@@ -281,7 +281,7 @@ uint32_t kelly_block_seal(const kelly_block *block)
 {
     uint32_t seal = KELLY_SEAL_MEMBERS(0, block, kelly_block, phase_step, full);
 
-    for (unsigned v = 0; v < KELLY_VECTORS; v++) {
+    for (unsigned v = 0; v < KELLY_VECTORS && v < block->vectors; v++) {
         seal = KELLY_SEAL_MEMBERS(seal, &block->lane[v], kelly_lane, w0, twice_g2);
         for (unsigned i = 0; i < KELLY_MODES_MAX; i++) {
             if (block->full) {

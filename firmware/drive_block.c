@@ -247,7 +247,7 @@ uint32_t kelly_driven_seal(const kelly_driven *driven)
 {
     uint32_t seal = KELLY_SEAL_MEMBERS(0, driven, kelly_driven, phase_step, step_ns);
 
-    for (unsigned v = 0; v < KELLY_VECTORS; v++) {
+    for (unsigned v = 0; v < KELLY_VECTORS && v < driven->vectors; v++) {
         const kelly_driven_lane *const on = &driven->lane[v];
 
         seal = KELLY_SEAL_MEMBERS(seal, on, kelly_driven_lane, w_ref, counted);

@@ -111,7 +111,7 @@ static void give_up(unsigned count, kelly_result *results)
  * changed may lead anywhere: nothing of it is used. */
 static void begin_block(const kelly_table *table, const kelly_case *run, unsigned count, kelly_result *results, kelly_work *work)
 {
-    if (kelly_table_error(table) != 0) {
+    if (kelly_table_head_error(table) != 0) {
         *work = (kelly_work){ 0 };
         give_up(count, results);
         return;

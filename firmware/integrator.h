@@ -118,7 +118,7 @@ real kelly_block_twist(const kelly_block *block, unsigned lane, const kelly_mode
 /* Whether every state of the lane is a finite number of sane size, and the weight has kept to its phase. */
 int kelly_block_sane(const kelly_block *block, unsigned lane);
 
-/* A sum over everything in the block that does not change as it advances: see seal.h. */
+/* A sum over everything in the vectors in use that does not change as they advance: see seal.h. */
 uint32_t kelly_block_seal(const kelly_block *block);
 
 /* sin(w0 t) of a lane now. */

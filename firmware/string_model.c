@@ -60,7 +60,9 @@ static uint32_t arrays_crc(const kelly_table *t)
     return crc_reals(crc, t->axial_free_w2, t->axial);
 }
 
-const char *kelly_table_error(const kelly_table *table)
+static const char damaged[] = "table is damaged, its CRC is another: rebuild, and look at the memory that holds it";
+
+const char *kelly_table_head_error(const kelly_table *table)
 {
     if (table->schema != KELLY_SCHEMA) {
         return "table schema differs from the kernel's: regenerate it";
@@ -71,10 +73,14 @@ const char *kelly_table_error(const kelly_table *table)
     if (table->torsional < 1 || table->torsional > KELLY_MODES_MAX || table->axial < 1 || table->axial > KELLY_MODES_MAX) {
         return "table carries no mode, or more than the kernel's limit";
     }
-    if (table->degree > KELLY_DEGREE_MAX || table->head_crc != head_crc(table) || table->arrays_crc != arrays_crc(table)) {
-        return "table is damaged, its CRC is another: rebuild, and look at the memory that holds it";
-    }
-    return 0;
+    return table->degree <= KELLY_DEGREE_MAX && table->head_crc == head_crc(table) ? 0 : damaged;
+}
+
+const char *kelly_table_error(const kelly_table *table)
+{
+    const char *const error = kelly_table_head_error(table);
+
+    return error != 0 || table->arrays_crc == arrays_crc(table) ? error : damaged;
 }
 
 static int same_text(const char *a, const char *b)

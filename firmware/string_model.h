@@ -104,6 +104,9 @@ typedef struct {
  * short reason. Cost: a CRC of some 2 KB in float. To be called before anything else is done with a table, and now and then. */
 const char *kelly_table_error(const kelly_table *table);
 
+/* The same of the head alone, some 200 bytes: enough for every index to stay inside the arrays. */
+const char *kelly_table_head_error(const kelly_table *table);
+
 /* The same for the shapes of a table that is sound; some 85 KB in float. */
 const char *kelly_shapes_error(const kelly_table *table, const kelly_shapes *shapes);
 
