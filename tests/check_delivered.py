@@ -59,7 +59,7 @@ def dist(where, machine):
 def unpack(archive, where, machine):
     """-> the directory that it unpacks into."""
     os.makedirs(where)
-    claim(run(where, machine, "tar", "xzf", archive)[0] == 0 and len(os.listdir(where)) == 1, f"{archive} unpacks into one directory")
+    claim(run(where, machine, "tar", "--no-same-permissions", "-xzf", archive)[0] == 0 and len(os.listdir(where)) == 1, f"{archive} unpacks into one directory")
     return os.path.join(where, os.listdir(where)[0])
 
 
