@@ -39,9 +39,9 @@ PARAMETERS = ("fc", "mu", "a1", "a2", "rpm")
 LIMIT = 0.8
 # largest distance from the reference over SHORT: rpm, rpm, rpm, of ss
 QUANTITIES = ("lowest bit speed [rpm]", "highest bit speed [rpm]", "mean bit speed [rpm]", "ss")
-WITHIN = {"float": (0.02, 0.02, 0.02, 2e-4), "double": (1e-6, 1e-6, 1e-6, 1e-8)}
+WITHIN = {"float": (0.005, 0.005, 0.005, 2e-5), "double": (1e-7, 1e-7, 1e-7, 1e-9)}
 DRAW_WITHIN = 2e-6                       # of a draw, relative: the sampler computes in float
-FLIPS = {"float": 2, "double": 0}        # cases of 200 on the other side of the limit over LONG
+FLIPS = {"float": 1, "double": 0}        # cases of 200 on the other side of the limit over LONG
 
 
 def well_text(name, rng):
@@ -65,7 +65,7 @@ def well_text(name, rng):
 def random_case(rng):
     """What the command line says; every second drive is soft."""
     wob = rng.uniform(20, 220)
-    case = {"rpm": rng.uniform(50, 180), "wob": wob, "f0": rng.uniform(0, 0.8) * wob, "mu": min(math.exp(rng.uniform(math.log(0.002), math.log(0.06))), 6 / wob),
+    case = {"rpm": rng.uniform(50, 180), "wob": wob, "f0": rng.uniform(0, 0.8) * wob, "mu": min(math.exp(rng.uniform(math.log(0.002), math.log(0.3))), 15 / wob),
             "alpha1": rng.uniform(0.5, 3), "alpha2": rng.uniform(0.5, 2)}
     case = {name: float(f"{value:.5g}") for name, value in case.items()}
     case["cov"] = {name: rng.choice((0, 0.02, 0.05, 0.1, 0.2, 0.35, 0.5)) for name in PARAMETERS}
@@ -235,10 +235,11 @@ def figures(found):
         print(f"figure: back to back, random cases whose bits are the same here and on {BOARDS[real]}, {real}: {same} of {len(found)}")
     print(f"figure: back to back, draws against the sampler in double, largest relative distance: {max(one['draw'] for one in found):.2g}")
     refused = len(found) - len(ran)
-    claim(refused <= len(found) // 4, f"{refused} of {len(found)} cases refused: too few are left")
+    lifted = sum(one["long"]["double"]["liftoff"] for one in found)
+    claim(0 < refused <= len(found) // 4 and lifted > 0, f"{refused} of {len(found)} cases refused, {lifted:.0f} lift off: some should, few may")
     soft, turning = sum(bool(one["case"]["drive"]) for one in ran), sum(one["case"]["start"] == "rotating" for one in ran)
     claim(min(soft, turning, len(ran) - soft, len(ran) - turning) * 4 > len(ran), f"drives and starts: {soft} soft, {turning} rotating of {len(ran)}")
-    print(f"figure: back to back, cases integrated: {len(ran)} of {len(found)}, {soft} under soft drives, {turning} rotating at the start, {refused} refused alike")
+    print(f"figure: back to back, cases integrated: {len(ran)} of {len(found)}, {soft} under soft drives, {turning} rotating at the start, {refused} refused alike, {lifted:.0f} lift off")
     for real in SUFFIX:
         away = np.array([distance(one, real) for one in ran])
         for k, what in enumerate(QUANTITIES):

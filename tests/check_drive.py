@@ -25,6 +25,10 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from second_opinion import ALPHA, BETA, RPM, modes  # noqa: E402
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+sys.path.insert(0, os.path.join(ROOT, "gen"))
+import reference  # noqa: E402
+import well as well_  # noqa: E402
+
 HOST = {"float": "build/host", "double": "build/host-double"}
 SOFT = {"J": 2900.0, "Z": 289.0, "f": 0.2}
 COLUMNS = ("bit speed", "top speed", "surface torque", "bit torque", "weight", "axial speed")
@@ -137,6 +141,22 @@ def near(got, want, within, what):
 
 
 # ---- checks
+
+def check_reference():
+    """gen/reference.py, the reference of the random cases back to back, under a soft drive and, beside it, a stiff one."""
+    with open(os.path.join(ROOT, "gen", "wells", "paper.toml"), encoding="utf-8") as file:
+        well = well_.parse(file.read())
+    cases = [{"w0": 10.0, "mu": 0.004, "rotating": 1, **SOFT}, {"w0": 10.0, "mu": 0.004}]
+    data = reference.simulate_many(well, cases, 0.001, 1.0, 10.0)
+    got = [np.array([data[name][k] for name in ("bit_speed", "surface_torque", "bit_torque", "f_bit", "bit_axial_speed")]).T for k in range(2)]
+    want = np.delete(soft_reference(10, mu=0.004, w0=10.0, rotating=True), 1, axis=1)
+    stiff = reference.simulate(well, cases[1], 0.001, 1.0, 10.0)
+    for k, (name, within) in enumerate((("bit speed", 1e-4), ("surface torque", 0.05), ("bit torque", 0.05), ("weight", 0.05), ("axial speed", 1e-6))):
+        away = np.abs(got[0][:, k] - want[:, k]).max()
+        claim(away <= within, f"reference, soft: {name} off by {away:.3g}, allowed {within:.3g}")
+    away = np.abs(got[1][:, 0] - stiff["bit_speed"]).max()
+    claim(away <= 1e-9, f"reference, a stiff top among soft ones: bit speed off by {away:.3g}")
+
 
 def check_soft():
     """At 1 ms, and at 0.5 ms with an error about 16 times smaller."""

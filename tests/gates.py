@@ -53,10 +53,11 @@ GATES = {
     "bench": ("test", 400, f"{PYTHON} tests/check_bench.py"),
     "rebuilds": ("test", 300, f"{PYTHON} tests/check_rebuilds.py"),
     "accuracy-double": ("test", 300, "make -s unit REAL=double && build/host-double/accuracy"),
+    "random": ("prove", 1800, f"make -s build/host/random-stream && {PYTHON} tests/check_random.py"),
     "back-to-back": ("prove", 1800, f"{PYTHON} tests/check_back_to_back.py"),
     "delivered": ("prove", 1800, f"{PYTHON} tests/check_delivered.py"),
     "delivered-suite": ("campaign", 7200, f"{PYTHON} tests/check_delivered.py --suite"),
-    "random-batteries": ("campaign", 43200, f"{PYTHON} tests/check_batteries.py"),
+    "random-batteries": ("campaign", 43200, f"make -s build/host/random-stream && {PYTHON} tests/check_batteries.py"),
 }
 GROUPS = ("test", "prove", "campaign")
 FIGURE = re.compile(r"figure: ([^|:]+): ([^|]+)")
