@@ -24,6 +24,7 @@ PREFIX ?= /usr/local
 REAL ?= float
 SEED ?= 1
 FIRST ?= 0
+CHECK_LONG ?= 1
 ifneq ($(filter-out float double,$(REAL)),)
 $(error REAL=$(REAL): give float or double)
 endif
@@ -163,7 +164,7 @@ $(dir)/accuracy: $(dir)/tests/host_accuracy.o $(dir)/detmath.o $(dir)/random.o
 
 $(dir)/tests/%.o: tests/%.c $(dir)/flags
 	@mkdir -p $(@D); echo 'CC $<' >&2
-	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) $(warnings) $(required) $(host_only) $(real_flag) -DCHECK_LONG=1 -MMD -MP -c $< -o $@
+	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) $(warnings) $(required) $(host_only) $(real_flag) -DCHECK_LONG=$(CHECK_LONG) -MMD -MP -c $< -o $@
 
 .SECONDARY:
 -include $(wildcard $(dir)/*.d $(dir)/*/*.d)
