@@ -9,8 +9,8 @@ are run: which they are depends on nothing else, so that an edit elsewhere draws
 compiles to the same objects in float and in double (compared byte by byte), is no mutant; the next one takes its place.
 
 A mutant is killed when a test ends with another status than 0 or takes ten times its usual time of the processor: the unit
-tests and lanes in float and double (at the sample sizes of a board), accuracy, the digests of `make digest` against those of the
-program as it is, and for what is left the checks of the link or of the command line that reach the file. Survivors are argued
+tests and lanes in float and double at the sample sizes of a board, accuracy, the digests of `make digest` against those of the
+README, the check of the link where the file is of the link, and the unit tests at the sample sizes of a host. Survivors are argued
 one by one in tests/mutants.txt, `FILE | the line with the change as [[old -> new]] | why nothing can notice`; they count as
 not killed. A survivor without an argument, and an argument for what is killed or no site any more, is a failure.
 """
@@ -33,6 +33,7 @@ OUT = os.path.join(ROOT, "build", "mutants")
 SEED = "kelly 1"
 LEAST = 0.95
 HEADERS = ("lanes.h", "form_m.h", "form_s.h", "stages.h", "bitrock.h", "severity.h")
+LIMITS = {("unit", 0): 3, ("lanes", 0): 30, ("accuracy", 0): 250, ("unit", 1): 200}    # processor time [s], ten times what they take
 DIGEST = "montecarlo --duration 4 --window 2:4 --mu 0.04 --cov 0.2 --samples 8"      # as in make digest
 # One vector unit beside the plain build: its lanes are the same source, and the others only take longer to compile.
 MAKE = ["make", "-s", "machine=any", "CFLAGS=-O1", "CPPFLAGS=-DCHECK_STOP"]
@@ -110,24 +111,20 @@ class Build:
     """Programs in one precision and with one sample size, in a directory of their own."""
 
     def __init__(self, real, checks, programs):
-        self.name, self.real, self.limits = f"{real}-{checks}", real, {}
+        self.name, self.real, self.long = f"{real}-{checks}", real, checks
         self.dir = os.path.relpath(os.path.join(OUT, self.name), ROOT)
         settings, goals = [f"dir={self.dir}", f"REAL={real}", f"CHECK_LONG={checks}"], [f"{self.dir}/{p}" for p in programs]
         subprocess.run([*MAKE, *settings, f"-j{os.cpu_count()}", *goals], cwd=ROOT, check=True, stderr=subprocess.DEVNULL)
         self.compile, self.link = as_make_would(goals, settings)
         self.uses = {made: self.sources(made) for made in self.compile}
-        for program in programs[:-1] if "kelly" in programs else programs:
-            begin = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-            subprocess.run([os.path.join(ROOT, self.dir, program)], check=True, stdout=subprocess.DEVNULL)
-            self.limits[program] = int(10 * (resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - begin) + 2)
 
     def sources(self, made):
         with open(os.path.join(ROOT, made[:-2] + ".d"), encoding="utf-8") as file:
             return {os.path.normpath(word) for word in file.read().split(":")[1].replace("\\\n", " ").split()}
 
     def touched(self, path, program):
-        """Objects of the program that a change of this file makes anew."""
-        return [word for word in self.link[program] if word in self.uses and path in self.uses[word]]
+        """Objects of the program that a change of this file makes anew. Those for lanes are linked into unit, but not called."""
+        return [word for word in self.link[program] if word in self.uses and path in self.uses[word] and not (program == "unit" and "/vector/" in word)]
 
 
 def plain_bytes(build, made, known={}, lock=threading.Lock()):      # noqa: B006  kept on purpose
@@ -208,10 +205,10 @@ class Mutant:
 
     def dies(self, build, program):
         own = self.linked(build, program)
-        return own is not None and self.sh([own], build.limits[program])[0] != 0
+        return own is not None and self.sh([own], LIMITS[program, build.long])[0] != 0
 
-    def compiles(self, build):
-        return all(self.compiled(build, made) for made in build.touched(self.site.path, "kelly"))
+    def compiles(self, build, program):
+        return all(self.compiled(build, made) for made in build.touched(self.site.path, program))
 
     def same(self, build):
         """Whether every object comes out as it was at -O2: there is nothing to notice."""
@@ -239,12 +236,12 @@ class Mutant:
 def verdict(mutant, builds, known):
     """`none`: no mutant; by what it was killed; or `survives`."""
     short, long = builds[:2], builds[2:]
-    if not all(mutant.compiles(b) for b in short):
-        return "none"
     for build in short:
+        if not mutant.compiles(build, "unit"):
+            return "none"
         if mutant.dies(build, "unit"):
             return f"unit-{build.real}"
-    if all(mutant.same(b) for b in short):
+    if not all(mutant.compiles(b, "kelly") for b in short) or all(mutant.same(b) for b in short):
         return "none"
     for what in ("lanes", "accuracy"):
         for build in short:
