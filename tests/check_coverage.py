@@ -3,10 +3,10 @@
 
 usage: tests/check_coverage.py [--kernel] [--missed]
 
-A copy of the tree is built by clang with counters, and the tests run in it as they are: the unit tests, lanes and accuracy in
-float and double count for firmware/, and with them the checks below for host/. firmware/app and firmware/board run on boards only:
+A copy of the tree is built by clang with counters, and the tests run in it as they are: the unit tests and lanes in float and
+double count for firmware/, the checks below for host/. firmware/app and firmware/board run on boards only:
 tests/check_board_coverage.py. What cannot be reached is listed with its reason in tests/uncovered.txt,
-`FILE | line, true or false | text of the line | reason`; an entry that is covered after all, or fits no line, is a failure.
+`FILE | line, true or false | text of the line, or of the condition | reason`; an entry that is covered after all, or fits no line, is a failure.
 --kernel leaves the checks of host/ out, --missed shows every place that is not covered. Last line `N passed, N failed`.
 """
 import argparse
@@ -80,6 +80,16 @@ def exclusions():
     return found
 
 
+def what(kind, at, text):
+    """(kind of an entry, its text) of a place."""
+    if kind == "lines":
+        return "line", text[at - 1].strip()
+    if kind == "branches":
+        line, column, last, end, side = at
+        return side, text[line - 1][column - 1:end - 1 if last == line else None].strip()
+    return "condition", text[at[0] - 1].strip()
+
+
 def judge(files, folder, excused):
     """{kind: [covered, all, excused]} of the files below a folder, and what was missed."""
     sums, missed, used = collections.defaultdict(lambda: [0, 0, 0]), [], set()
@@ -91,8 +101,7 @@ def judge(files, folder, excused):
         file = files[path]
         for kind, places in (("lines", file.lines), ("branches", file.branches), ("MC/DC conditions", file.conditions)):
             for at, covered in sorted(places.items(), key=str):
-                line, side = (at, "line") if kind == "lines" else (at[0], at[2])
-                key = (path, side, text[line - 1].strip())
+                key = (path, *what(kind, at, text))
                 sums[kind][1] += 1
                 if covered:
                     sums[kind][0] += 1
@@ -100,7 +109,7 @@ def judge(files, folder, excused):
                     sums[kind][2] += 1
                     used.add(key)
                 else:
-                    missed.append(f"{kind}: {path}:{line}: {side}: {key[2]}")
+                    missed.append(f"{kind}: {at if kind == 'lines' else at[0]}: {' | '.join(key)}")
     return sums, missed, used
 
 
@@ -113,7 +122,7 @@ def unit_programs():
     profiles, programs = [], []
     for suffix, real in (("", "float"), ("-double", "double")):
         run(f"build{suffix}", ["make", "-s", f"-j{os.cpu_count()}", "all", "unit", f"REAL={real}"])
-        for program in ("unit", "lanes", "accuracy"):
+        for program in ("unit", "lanes"):                  # accuracy reaches nothing more
             programs.append(os.path.join(TREE, f"build/host{suffix}", program))
             profiles.append(run(program + suffix, [programs[-1]]))
     return profiles, programs

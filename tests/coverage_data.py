@@ -15,7 +15,7 @@ CFLAGS = "-O1 -fprofile-instr-generate -fcoverage-mapping -fcoverage-mcdc -Wno-u
 
 
 class File:
-    """lines {number: covered}, branches {(line, column, side): covered}, conditions {(line, column, k): shown to decide alone}."""
+    """lines {number: covered}, branches {(line, column, last line, end, side): taken}, conditions {(line, column, k): shown to decide alone}."""
 
     def __init__(self):
         self.lines, self.branches, self.conditions = (collections.defaultdict(bool) for _ in range(3))
@@ -45,9 +45,9 @@ def measured(profile, programs, root):
     data = json.loads(tool("cov", "export", f"-instr-profile={profile}", *objects))["data"][0]["files"]
     for record in data:
         file = files[os.path.relpath(record["filename"], root)]
-        for line, column, _, _, true, false, *_ in record["branches"]:
-            file.branches[line, column, "true"] |= true > 0
-            file.branches[line, column, "false"] |= false > 0
+        for *place, true, false, _, _, _ in record["branches"]:
+            file.branches[*place, "true"] |= true > 0
+            file.branches[*place, "false"] |= false > 0
         for line, column, *_, shown in record.get("mcdc_records", []):
             for k, one in enumerate(shown):
                 file.conditions[line, column, k] |= one
