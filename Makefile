@@ -24,6 +24,7 @@ PREFIX ?= /usr/local
 REAL ?= float
 SEED ?= 1
 FIRST ?= 0
+CHECK_LONG ?= 1
 ifneq ($(filter-out float double,$(REAL)),)
 $(error REAL=$(REAL): give float or double)
 endif
@@ -170,7 +171,7 @@ $(dir)/random-stream: $(dir)/tests/random_stream.o $(dir)/detmath.o $(dir)/rando
 
 $(dir)/tests/%.o: tests/%.c $(dir)/flags
 	@mkdir -p $(@D); echo 'CC $<' >&2
-	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) $(warnings) $(required) $(host_only) $(real_flag) -DCHECK_LONG=1 -MMD -MP -c $< -o $@
+	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) $(warnings) $(required) $(host_only) $(real_flag) -DCHECK_LONG=$(CHECK_LONG) -MMD -MP -c $< -o $@
 
 # A test that looks into the lanes of a vector unit.
 $(dir)/$(firstword $(engines))/tests/%.o: tests/%.c $(dir)/flags

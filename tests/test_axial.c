@@ -68,6 +68,36 @@ static void refuses_other_weights(void)
     kelly_draw_nominal(&run, &draw);
     draw.fc = R(2e6);
     CHECK(kelly_axial_start(&fixture.plant.axial, &kelly_string, &run, &draw) == KELLY_RANGE);
+    CHECK(kelly_axial_largest_step(&kelly_string, &run, &draw) == 0);
+}
+
+/* A step just within the bound starts, one just beyond does not. */
+static void step_is_bounded_by(const kelly_table *table, wide bound)
+{
+    const wide largest = (wide)kelly_axial_largest_step(table, &run, &draw);
+
+    CLOSE(largest / bound, 1, W(1e-5));
+    run.step_ns = (uint32_t)(largest * W(0.999e6)) * 1000u;
+    CHECK(kelly_axial_start(&fixture.plant.axial, table, &run, &draw) == KELLY_OK);
+    run.step_ns = (uint32_t)(largest * W(1.001e6)) * 1000u;
+    CHECK(kelly_axial_start(&fixture.plant.axial, table, &run, &draw) == KELLY_STEP);
+}
+
+/* RK4 on the real axis to 2.785, on the imaginary one to 2.8: the fastest mode by its frequency, or by its damping where that is strong. */
+static void refuses_steps_of_unstable_modes(void)
+{
+    kelly_table strong = kelly_string;
+    kelly_axial *const axial = &fixture.plant.axial;
+
+    fixture_case(&run, 10);
+    run.axial = 5;
+    kelly_draw_nominal(&run, &draw);
+    CHECK(kelly_axial_start(axial, &kelly_string, &run, &draw) == KELLY_OK);
+    step_is_bounded_by(&kelly_string, W(2.8) / textbook_sqrt((wide)axial->w2[4]));
+    strong.beta = R(1.0);
+    run.step_ns = 1000;
+    CHECK(kelly_axial_start(axial, &strong, &run, &draw) == KELLY_OK);
+    step_is_bounded_by(&strong, W(2.785) / (W(0.1) + (wide)axial->w2[4]));
 }
 
 static void no_force_no_motion(void)
@@ -89,5 +119,6 @@ void test_axial(void)
     follows_the_solution(R(5.0), 1, BY_LENGTH(BY_REAL(5e-6, 1e-9), BY_REAL(5e-5, 5e-9)));
     follows_the_solution(R(13.0), 5, BY_LENGTH(BY_REAL(5e-6, 2e-8), BY_REAL(5e-5, 5e-8)));
     refuses_other_weights();
+    refuses_steps_of_unstable_modes();
     no_force_no_motion();
 }

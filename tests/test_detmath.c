@@ -202,6 +202,7 @@ static void roots_are_exact(void)
     CHECK(kelly_sqrt32_integer(0x1.000002p0f) == 1.0f);
     CHECK(kelly_sqrt32_integer(0x1.fffffep127f) == 0x1.fffffep63f);
     CHECK(kelly_sqrt32_integer(0x1p-149f) == 0x1.6a09e6p-75f);
+    CHECK(kelly_sqrt32_integer((bits_of_float){.bits = 0x7f800000u}.value) == (bits_of_float){.bits = 0x7f800000u}.value);   /* infinity */
 }
 
 static void exponentials_have_known_values(void)
@@ -220,6 +221,9 @@ static void exponentials_have_known_values(void)
     CHECK(kelly_exp(-KELLY_EXP_END - W(1.0)) == W(0.0));
     CHECK(kelly_exp(W(-3.0) * KELLY_EXP_END) == W(0.0));
     CHECK(kelly_exp(KELLY_EXP_END + W(1.0)) == kelly_exp(KELLY_EXP_END));
+    const volatile wide zero = W(0.0);
+    const wide none = kelly_exp(zero / zero);
+    CHECK(none != none);
 }
 
 /* The numbers say nothing by themselves: every compiler, level and machine must give them. */

@@ -70,6 +70,11 @@ static void only_what_is_commanded_obeys(void)
     kelly_plant_command(plant, R(1.0), R(1.0), 1);
     kelly_plant_look(plant, &after);
     CHECK(before.f_bit == after.f_bit && before.top_speed == after.top_speed && before.surface_torque == after.surface_torque);
+    EQUAL(kelly_plant_start_commanded(plant, &kelly_string, &run, &draw, R(10.0)), KELLY_OK);
+    kelly_plant_look(plant, &before);
+    kelly_plant_command(plant, R(1.0), R(1.0), 0);         /* a command of no time is none */
+    kelly_plant_look(plant, &after);
+    CHECK(before.f_bit == after.f_bit && before.top_speed == after.top_speed && plant->target == R(10.0));
 }
 
 static void says_what_it_allows(void)
@@ -171,7 +176,7 @@ static void refuses_bad_drives(void)
 {
     static const kelly_drive bad[] = {
         { R(0.5), R(289.0), R(0.2) }, { R(-1.0), R(289.0), R(0.2) }, { R(2900.0), 0, R(0.2) }, { R(2900.0), R(-1.0), R(0.2) },
-        { R(2900.0), R(289.0), 0 }, { R(1e13), R(289.0), R(0.2) }, { R(2900.0), R(289.0), R(1e4) },
+        { R(2900.0), R(289.0), 0 }, { R(1e13), R(289.0), R(0.2) }, { R(2900.0), R(1e13), R(0.2) }, { R(2900.0), R(289.0), R(1e4) },
     };
 
     soft_case(1000);
@@ -183,8 +188,33 @@ static void refuses_bad_drives(void)
     soft_case(1000);
     draw.w0 = R(260.0);                                    /* more than a quarter of a radian a step */
     EQUAL(kelly_plant_start(plant, &kelly_string, &run, &draw), KELLY_STEP);
+    CLOSE((wide)kelly_largest_step(&kelly_string, &run, &draw, &plant->modes) * W(260.0), W(0.25), W(1e-6));
     run.drive.inertia = 0;
     EQUAL(kelly_plant_start(plant, &kelly_string, &run, &draw), KELLY_OK);
+}
+
+/* Every number of the state, spoilt alone: not a number, infinite, too large on either side. */
+static void knows_the_insane(void)
+{
+    kelly_driven *const driven = &plant->driven;
+    kelly_driven_lane *const on = &driven->lane[0];
+    const volatile real zero = R(0.0), one = R(1.0);
+    const real bad[] = { zero / zero, one / zero, -one / zero, R(1e31), R(-1e31) };
+    vreal *const place[] = { &on->lowest, &on->highest, &on->speed, &on->eta, &on->phi, &driven->mode[0][0].v, &driven->mode[0][0].x,
+                             &driven->mode[0][9].v, &driven->mode[0][9].x };
+
+    soft_case(100);
+    EQUAL(kelly_plant_start(plant, &kelly_string, &run, &draw), KELLY_OK);
+    for (unsigned p = 0; p < sizeof(place) / sizeof(place[0]); p++) {
+        const vreal good = *place[p];
+
+        CHECK(kelly_driven_sane(driven, 0));
+        for (unsigned k = 0; k < sizeof(bad) / sizeof(bad[0]); k++) {
+            *place[p] = bad[k];
+            CHECK(!kelly_driven_sane(driven, 0));
+        }
+        *place[p] = good;
+    }
 }
 
 /* ---- bits ------------------------------------------------------------------------------------------------------------ */
@@ -287,6 +317,7 @@ void test_drive(void)
     is_stable_where_accepted(R(20.0), R(1.0), R(10.0));
     bounds_are_those_of_mode_and_rotor();
     refuses_bad_drives();
+    knows_the_insane();
     plant_is_the_ensemble_realisation();
     mean_is_that_of_the_bit();
     gives_the_bits_of_the_host();

@@ -67,6 +67,10 @@ static void refuses_what_is_no_number(void)
     CHECK(!kelly_envelope_add(&envelope, -huge));
     CHECK(!kelly_envelope_add(&envelope, huge - huge));    /* not a number */
     EQUAL(envelope.n, 5);
+    envelope.n = 16777216;                                 /* as many as are counted */
+    CHECK(!kelly_envelope_add(&envelope, R(0.5)));
+    EQUAL(envelope.n, 16777216);
+    EQUAL(envelope.used, 5);
 }
 
 /* Random values, a third of them within 1e-3 of 0 and the rest spread as 250 u^2: a bit that sticks. Its exact quantiles
@@ -151,6 +155,8 @@ static void clusters_are_sound(void)
         CHECK(i == 0 || envelope.value[i - 1] <= envelope.value[i]);
     }
     EQUAL(sum, 4999);
+    CHECK(kelly_envelope_quantile(&envelope, 0) == envelope.value[0]);
+    CHECK(kelly_envelope_quantile(&envelope, 1) == envelope.value[envelope.used - 1]);
     CLOSE(band.mean, W(7.0) * W(2499.0) / W(4999.0), W(1e-4));
     CLOSE(band.sd, W(7.0) * W(0.2886751288), W(1e-4));     /* sqrt((1 - 1 / n^2) / 12) */
 }

@@ -239,6 +239,28 @@ static void twist_gives_the_mean(void)
     CLOSE(sum / (wide)ticks, mean, BY_REAL(2e-4, 2e-5));   /* the trapezoid's own error is 1e-5 */
 }
 
+/* Form S leaves out terms in h alpha, h w and h beta w^2: each alone, where it is not small, asks for form M, which is the textbook's. */
+static void takes_the_form_that_fits(void)
+{
+    kelly_table other = kelly_string;
+
+    fixture_case(&run, 400);
+    load(&fixture.pair[0], &other);
+    EQUAL(fixture.pair[0].full, sizeof(real) > sizeof(float));
+    other.alpha = R(1.0);                                  /* h alpha = 1e-3 */
+    CLOSE(distance(&other, 300), 0, BY_REAL(1e-4, 1e-9));
+    CHECK(fixture.against.block.full);
+    other = kelly_string;
+    other.beta = R(1e-9);
+    run.step_ns = 3000000;                                 /* h w = 0.16 in the tenth mode */
+    run.mu = R(0.01);
+    CLOSE(distance(&other, 100), 0, BY_REAL(1e-4, 1e-9));
+    CHECK(fixture.against.block.full);
+    other.beta = R(1e-3);
+    run.step_ns = 50000;                                   /* h w = 3e-3, beta / h = 20 */
+    CLOSE(distance(&other, 100), 0, BY_REAL(1e-4, 1e-9));
+}
+
 /* The two numbers of state of mode i. */
 static real *state_of(kelly_block *block, unsigned i)
 {
@@ -303,6 +325,7 @@ void test_integrator(void)
     starts_as_told();
     follows_the_textbook();
     keeps_fast_terms();
+    takes_the_form_that_fits();
     shows_modal_states();
     does_not_mind_cuts();
     is_of_fourth_order();

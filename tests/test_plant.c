@@ -11,7 +11,7 @@ static void momentum(wide *of_speed, wide *of_twist)
 {
     real q[KELLY_MODES_MAX], v[KELLY_MODES_MAX];
 
-    kelly_block_modal(&plant->block, 0, &plant->modes, plant->table, q, v);
+    kelly_plant_modal(plant, q, v);
     *of_speed = *of_twist = 0;
     for (unsigned i = 0; i < plant->modes.count; i++) {
         *of_speed += (wide)plant->modes.d[i] * (wide)v[i];
@@ -78,6 +78,57 @@ static void refuses_as_the_ensemble_does(void)
     draw.fc = run.fc;
     draw.mu = R(1.0);
     EQUAL(kelly_plant_start(plant, &kelly_string, &run, &draw), KELLY_STEP);
+    EQUAL(kelly_plant_start_commanded(plant, &kelly_string, &run, &draw, R(10.0)), KELLY_STEP);
+    draw.fc = R(2e6);
+    EQUAL(kelly_plant_start_commanded(plant, &kelly_string, &run, &draw, R(10.0)), KELLY_RANGE);
+}
+
+/* The twist grows by what the bit turns less than w0 would: by the trapezoid, whose own error here is about 1e-6 rad. */
+static void twists_by_what_the_bit_lags(real inertia)
+{
+    const uint32_t ticks = BY_LENGTH(200, 3000);
+    wide turned = 0, before;
+    kelly_sight sight;
+
+    fixture_case(&run, 6000);
+    kelly_draw_nominal(&run, &draw);
+    run.drive = (kelly_drive){ .inertia = inertia, .impedance = R(289.0), .hz = R(0.2) };
+    EQUAL(kelly_plant_start(plant, &kelly_string, &run, &draw), KELLY_OK);
+    kelly_plant_advance(plant, 300);
+    before = (wide)kelly_plant_twist(plant);
+    for (uint32_t k = 0; k <= ticks; k++) {
+        kelly_plant_look(plant, &sight);
+        turned += ((wide)sight.bit_speed - (wide)draw.w0) * (k == 0 || k == ticks ? W(0.0005) : W(0.001));
+        if (k < ticks) {
+            kelly_plant_advance(plant, 1);
+        }
+    }
+    CHECK(fixture_abs(turned) > W(0.3));                   /* [rad] */
+    CLOSE((wide)kelly_plant_twist(plant) - before, turned, BY_REAL(1e-3, 1e-4));
+}
+
+/* A state that is no number, or is too large for one, is not sane, wherever it is. */
+static void knows_the_insane(real inertia)
+{
+    const volatile real zero = R(0.0);
+    const real bad[] = { zero / zero, R(1e7), R(-1e7) };
+
+    fixture_case(&run, 100);
+    kelly_draw_nominal(&run, &draw);
+    run.drive = (kelly_drive){ .inertia = inertia, .impedance = R(289.0), .hz = R(0.2) };
+    EQUAL(kelly_plant_start(plant, &kelly_string, &run, &draw), KELLY_OK);
+    for (unsigned k = 0; k < sizeof(bad) / sizeof(bad[0]); k++) {
+        CHECK(kelly_plant_sane(plant));
+        plant->axial.v[0] = bad[k] / plant->axial.b[0];
+        CHECK(!kelly_plant_sane(plant));
+        plant->axial.v[0] = 0;
+    }
+    if (inertia > 0) {
+        plant->driven.lane[0].phi = bad[0];
+    } else {
+        plant->block.lane[0].y1 = bad[0];
+    }
+    CHECK(!kelly_plant_sane(plant));
 }
 
 /* Extremes of realisation `index` as the plant sees them, in uneven pieces. */
@@ -86,11 +137,11 @@ static void watch_plant(uint32_t index, real *lowest, real *highest)
     kelly_draw_sample(&run, 3, index, &draw);
     EQUAL(kelly_plant_start(plant, &kelly_string, &run, &draw), KELLY_OK);
     kelly_plant_advance(plant, run.window_first);
-    kelly_block_watch(&plant->block);
+    kelly_plant_watch(plant);
     for (uint32_t tick = run.window_first; tick < run.window_last; tick += 7) {
         kelly_plant_advance(plant, run.window_last - tick < 7 ? run.window_last - tick : 7);
     }
-    kelly_block_extremes(&plant->block, 0, lowest, highest);
+    kelly_plant_extremes(plant, lowest, highest);
 }
 
 static void is_the_ensemble_realisation(void)
@@ -117,5 +168,9 @@ void test_plant(void)
     shows_forces_and_speeds();
     keeps_momentum();
     refuses_as_the_ensemble_does();
+    twists_by_what_the_bit_lags(0);
+    twists_by_what_the_bit_lags(R(2900.0));
+    knows_the_insane(0);
+    knows_the_insane(R(2900.0));
     is_the_ensemble_realisation();
 }

@@ -209,6 +209,20 @@ static void gammas_scale_with_the_mean(void)
     }
 }
 
+/* s0 = 0, s1 = s3 = -1: the first word is -1 and the next 0, so that the polar method has a = -2^-31, b = 0. */
+static void the_far_tail_is_there_and_harmless(void)
+{
+    const kelly_rng far = {{0, 0xffffffffu, 5, 0xffffffffu}};
+    kelly_rng rng = far;
+    const float x = kelly_normal(&rng);
+    CHECK(x > -9.2710f && x < -9.2708f);                              /* -sqrt(124 log 2) */
+    for (int k = 0; k < COVS; k++) {
+        rng = far;
+        const float y = kelly_gamma(&rng, 1.0f, covs[k]);             /* 1 + t is not positive where cov is 1/2: another try */
+        CHECK(y > 0.0f && y < 1.0f + 5.0f * covs[k]);
+    }
+}
+
 /* The numbers say nothing by themselves: every compiler, level and machine must give them, in both precisions. */
 static void bits_are_the_same_everywhere(void)
 {
@@ -239,5 +253,6 @@ void test_random(void)
     streams_follow_the_law_too();
     for (int i = 0; i < COVS; i++) gammas_follow_their_law(i);
     gammas_scale_with_the_mean();
+    the_far_tail_is_there_and_harmless();
     bits_are_the_same_everywhere();
 }

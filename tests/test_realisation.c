@@ -136,6 +136,40 @@ static void names_the_largest_step(void)
     largest_step_at(R(1e-9));
 }
 
+/* Below it the digits of a float do not carry a step's change of the slowest mode; a double's do at the shortest step there is. */
+static void names_the_smallest_step(void)
+{
+    wide smallest;
+
+    fixture_case(&run, 1000);
+    EQUAL(status_at(R(100000.0), R(0.04), 1000000), KELLY_OK);
+    smallest = (wide)kelly_smallest_step(&modes);
+    CLOSE(smallest * textbook_sqrt((wide)modes.w2[0]), BY_REAL(1e-5, 1e-13), BY_REAL(1e-11, 1e-19));
+    if (smallest > W(1e-6)) {
+        EQUAL(status_at(R(100000.0), R(0.04), (uint32_t)(smallest * W(1.001e9))), KELLY_OK);
+        EQUAL(status_at(R(100000.0), R(0.04), (uint32_t)(smallest * W(0.999e9))), KELLY_STEP);
+    } else {
+        EQUAL(status_at(R(100000.0), R(0.04), 1000), KELLY_OK);
+    }
+}
+
+/* The fastest mode is the fastest wherever it stands. */
+static void does_not_mind_the_order_of_modes(void)
+{
+    real rate, w2, step;
+
+    fixture_case(&run, 1000);
+    run.torsional = 2;
+    EQUAL(status_at(R(100000.0), R(1e-9), 1000000), KELLY_OK);
+    rate = kelly_fastest_rate(&kelly_string, &run, &draw, &modes, draw.fc);
+    step = kelly_largest_step(&kelly_string, &run, &draw, &modes);
+    w2 = modes.w2[0];
+    modes.w2[0] = modes.w2[1];
+    modes.w2[1] = w2;
+    CHECK(modes.w2[0] > modes.w2[1] && kelly_fastest_rate(&kelly_string, &run, &draw, &modes, draw.fc) == rate);
+    CHECK(kelly_largest_step(&kelly_string, &run, &draw, &modes) == step);
+}
+
 static void lifts_off_below_the_amplitude(void)
 {
     fixture_case(&run, 1000);
@@ -228,6 +262,8 @@ void test_realisation(void)
     nothing_random_is_the_mean();
     refuses_what_it_cannot_trust();
     names_the_largest_step();
+    names_the_smallest_step();
+    does_not_mind_the_order_of_modes();
     lifts_off_below_the_amplitude();
     refuses_bad_physics();
     refuses_bad_numerics();

@@ -123,6 +123,63 @@ static void refuses_what_reaches_too_far(void)
     CHECK(!result.enough && result.lo == 0 && result.hi == 1);
 }
 
+/* Laws that leave a variance in each parameter but too much in all together, or none in two of them: no size is enough. */
+static void refuses_what_all_make_too_wide(void)
+{
+    const kelly_laws from = { .mean = { 1, 1, 1, 1, 1 }, .cov = { W(0.05), W(0.05), W(0.05), W(0.05), W(0.05) } };
+    kelly_laws to = from;
+
+    to.mean[0] = W(0.4);
+    kelly_reweight_start(&sums, &from, &to);
+    CHECK((sums.square > 0) == (sizeof(wide) > sizeof(float)));        /* e^179: more than a float holds */
+    for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
+        to.mean[k] = W(0.4);
+    }
+    kelly_reweight_start(&sums, &from, &to);
+    CHECK(sums.square == 0);
+    to = from;
+    to.mean[0] = to.mean[1] = 3;
+    kelly_reweight_start(&sums, &from, &to);
+    CHECK(sums.square == 0);
+}
+
+/* cov 1/2 to 1/4 at four times the mean: the rates are equal, and the weight is y^12. Of 1 and 2^(1/12), P is two thirds. */
+static void weighs_by_a_power_where_rates_are_equal(void)
+{
+    const kelly_laws from = laws_of(1, W(0.5)), to = laws_of(4, W(0.25));
+    const wide one[KELLY_PARAMETERS] = { 1, 1, 1, 1, 1 }, two[KELLY_PARAMETERS] = { 1, W(1.0594630943592953), 1, 1, 1 };
+
+    kelly_reweight_start(&sums, &from, &to);
+    kelly_reweight_add(&sums, one, KELLY_OK, 0);
+    kelly_reweight_add(&sums, two, KELLY_OK, 1);
+    kelly_reweight_read(&sums, &result);
+    CLOSE(result.probability, W(2.0) / 3, BY_REAL(1e-5, 1e-14));
+    CLOSE(result.share, W(2.0) / 3, BY_REAL(1e-5, 1e-14));
+    CLOSE(result.ess, W(9.0) / 5, BY_REAL(1e-5, 1e-14));
+}
+
+/* 1000 realisations of weight 1 and one of e^4.17 = 64.5: its share is 6 %, and both sizes are in hundreds. */
+static void refuses_what_one_realisation_decides(void)
+{
+    const kelly_laws from = laws_of(1, W(0.2)), to = laws_of(W(1.05), W(0.2));
+    const wide one[KELLY_PARAMETERS] = { 1, 1, 1, 1, 1 };
+    wide heavy[KELLY_PARAMETERS] = { 1, W(4.5), 1, 1, 1 };
+
+    kelly_reweight_start(&sums, &from, &to);
+    for (unsigned j = 0; j < 1000; j++) {
+        kelly_reweight_add(&sums, one, KELLY_OK, j & 1);
+    }
+    kelly_reweight_read(&sums, &result);
+    CHECK(result.enough && result.probability == W(0.5));
+    kelly_reweight_add(&sums, heavy, KELLY_OK, 0);
+    kelly_reweight_read(&sums, &result);
+    CHECK(result.ess > 200 && result.ess_predicted > 900 && result.share > W(0.06) && result.share < W(0.061) && !result.enough);
+    heavy[1] = 90;                                         /* so heavy that the others weigh nothing */
+    kelly_reweight_add(&sums, heavy, KELLY_STEP, 0);
+    kelly_reweight_read(&sums, &result);
+    CHECK(!result.enough && result.probability == 0 && result.lo == 0 && result.hi == 1);
+}
+
 /* Refused ones: free in lo, stuck in hi, and not in P. */
 static void counts_the_refused_both_ways(void)
 {
@@ -163,6 +220,9 @@ void test_reweight(void)
     finds_other_laws();
     intervals_cover();
     refuses_what_reaches_too_far();
+    refuses_what_all_make_too_wide();
+    weighs_by_a_power_where_rates_are_equal();
+    refuses_what_one_realisation_decides();
     counts_the_refused_both_ways();
     says_what_fits();
 }

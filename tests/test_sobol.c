@@ -162,6 +162,8 @@ static void says_where_there_are_none(void)
 
     kelly_sobol_clear(&sobol, 1);
     CHECK(!kelly_sobol_read(&sobol, 0, &first, &total));
+    kelly_sobol_moments(&sobol, &mean, &variance);
+    CHECK(mean == 0 && variance == 0);
     for (unsigned j = 0; j < 100; j++) {
         kelly_sobol_add(&sobol, constant);
     }
@@ -172,6 +174,34 @@ static void says_where_there_are_none(void)
     CHECK(!kelly_sobol_read(&sobol, 0, &first, &total));   /* a group of one row */
     add_ishigami(1, 64, 0);
     CHECK(kelly_sobol_read(&sobol, 0, &first, &total));
+}
+
+/* 64 rows, f 0 but in one of them: without its group nothing varies. */
+static void one_group_is_not_enough(void)
+{
+    const wide still[3] = { 0, 0, 0 }, other[3] = { 1, 0, 1 };
+    kelly_estimate first, total;
+
+    kelly_sobol_clear(&sobol, 1);
+    for (unsigned j = 0; j < 64; j++) {
+        kelly_sobol_add(&sobol, j == 5 ? other : still);
+    }
+    CHECK(!kelly_sobol_read(&sobol, 0, &first, &total));
+}
+
+/* Where every group holds the same rows, leaving one out changes nothing. f(A) 0 1, f(B) 1 0, f(AB) 1 0: all of it is that parameter. */
+static void equal_groups_leave_no_doubt(void)
+{
+    const wide row[2][3] = { { 0, 1, 1 }, { 1, 0, 0 } };
+    kelly_estimate first, total;
+
+    kelly_sobol_clear(&sobol, 1);
+    for (unsigned j = 0; j < 64; j++) {
+        kelly_sobol_add(&sobol, row[j / 32]);
+    }
+    CHECK(kelly_sobol_read(&sobol, 0, &first, &total));
+    CHECK(first.value == 2 && first.lo == 2 && first.hi == 2);        /* two rows: B is always the other side of A */
+    CHECK(total.value == 2 && total.lo == 2 && total.hi == 2);
 }
 
 static int same_draw(const kelly_draw *a, const kelly_draw *b)
@@ -198,6 +228,10 @@ static void draws_its_rows(void)
     CHECK(same_draw(&d[3], &(kelly_draw){ d[0].fc, d[1].mu, d[0].a1, d[0].a2, d[0].w0 }));
     CHECK(same_draw(&d[4], &(kelly_draw){ d[0].fc, d[0].mu, d[0].a1, d[1].a2, d[0].w0 }));
     CHECK(same_draw(&d[5], &(kelly_draw){ d[0].fc, d[0].mu, d[0].a1, d[0].a2, d[1].w0 }));
+    run.cov[2] = 0.2f;
+    EQUAL(kelly_sobol_row(&run, 5, 3, d), 7);
+    CHECK(d[1].a1 != d[0].a1);
+    CHECK(same_draw(&d[4], &(kelly_draw){ d[0].fc, d[0].mu, d[1].a1, d[0].a2, d[0].w0 }));
 }
 
 void test_sobol(void);
@@ -208,5 +242,7 @@ void test_sobol(void)
     intervals_cover();
     do_not_mind_scale();
     says_where_there_are_none();
+    one_group_is_not_enough();
+    equal_groups_leave_no_doubt();
     draws_its_rows();
 }

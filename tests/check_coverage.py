@@ -1,0 +1,176 @@
+#!/usr/bin/env python3
+"""check_coverage - lines, branches and MC/DC of firmware/, lines of host/, under the tests of the host.
+
+usage: tests/check_coverage.py [--kernel] [--missed]
+
+A copy of the tree is built by clang with counters, and the tests run in it as they are: the unit tests and lanes in float and
+double count for firmware/, the checks below for host/. firmware/app and firmware/board run on boards only:
+tests/check_board_coverage.py. What cannot be reached is listed with its reason in tests/uncovered.txt,
+`FILE | line, true or false | text of the line, or of the condition | reason`; an entry that is covered after all, or fits no line, is a failure.
+--kernel leaves the checks of host/ out, --missed shows every place that is not covered. Last line `N passed, N failed`.
+"""
+import argparse
+import collections
+import os
+import shutil
+import subprocess
+import sys
+
+import coverage_data
+from run_target import ROOT
+
+TREE = os.path.join(ROOT, "build", "coverage", "tree")
+PARTS = ("Makefile", "README.md", "firmware", "gen", "host", "linker", "tests")
+# What reaches host/ in the least time; the names leave out what repeats lines or writes past a limit of file size.
+CHECKS = {
+    "cli": "modes golden order replay report cuts refused convergence mistakes help",
+    "use": "help options_are_told defaults install quiet progress colour units field",
+    "map": "cells same_bytes adaptive edges grids files mistakes torn foreign lock advise picture",
+    "whatif": "",
+    "until": "",
+    "sensitivity": "",
+    "bench": "",
+}
+LEAST = {"firmware lines": 100.0, "firmware branches": 99.0, "host lines": 90.0}
+count = {True: 0, False: 0}
+
+
+def claim(holds, what):
+    count[bool(holds)] += 1
+    if not holds:
+        print(f"FAIL {what}", flush=True)
+
+
+def copied():
+    """The tree as it is; what was built in an earlier copy stays."""
+    os.makedirs(TREE, exist_ok=True)
+    for part in PARTS:
+        source, target = os.path.join(ROOT, part), os.path.join(TREE, part)
+        if os.path.isdir(source):
+            shutil.rmtree(target, ignore_errors=True)
+            shutil.copytree(source, target, ignore=shutil.ignore_patterns("__pycache__"))
+        else:
+            shutil.copy2(source, target)
+
+
+def run(name, words, timeout=900):
+    """In the copy, with counters of its own; (profile directory, last line)."""
+    folder = os.path.join(ROOT, "build", "coverage", name)
+    shutil.rmtree(folder, ignore_errors=True)
+    environment = {**os.environ, "CC": "clang" + coverage_data.LLVM, "CFLAGS": coverage_data.CFLAGS, "CHECK_LONG": "0",
+                   "LLVM_PROFILE_FILE": os.path.join(folder, "%2m.profraw")}
+    done = subprocess.run(words, cwd=TREE, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                          text=True, errors="replace", timeout=timeout, check=False)
+    lines = done.stdout.strip().splitlines() or [""]
+    if done.returncode != 0:
+        print("\n".join(f"    {name}: {line}" for line in lines if "FAIL" in line) or "\n".join(lines[-10:]))
+    claim(done.returncode == 0, f"{name}: status {done.returncode}, {lines[-1][:200]}")
+    return folder
+
+
+def exclusions():
+    """{(file, kind, text of the line): reason}"""
+    with open(os.path.join(ROOT, "tests", "uncovered.txt"), encoding="utf-8") as file:
+        rows = [line.strip() for line in file if line.strip() and not line.startswith("#")]
+    found = {}
+    for row in rows:
+        (path, kind, rest), (text, reason) = row.split(" | ", 2), row.split(" | ", 2)[2].rsplit(" | ", 1)
+        found[path, kind, text] = reason
+        claim(rest and kind in ("line", "true", "false"), f"uncovered.txt: {row}")
+    return found
+
+
+def what(kind, at, text):
+    """(kind of an entry, its text) of a place."""
+    if kind == "lines":
+        return "line", text[at - 1].strip()
+    if kind == "branches":
+        line, column, last, end, side = at
+        return side, text[line - 1][column - 1:end - 1 if last == line else None].strip()
+    return "condition", text[at[0] - 1].strip()
+
+
+def judge(files, folder, excused):
+    """{kind: [covered, all, excused]} of the files below a folder, and what was missed."""
+    sums, missed, used = collections.defaultdict(lambda: [0, 0, 0]), [], set()
+    for path in sorted(files):
+        if not path.startswith(folder) or "/tables/" in path:
+            continue
+        with open(os.path.join(TREE, path), encoding="utf-8") as source:
+            text = source.read().splitlines()
+        file = files[path]
+        for kind, places in (("lines", file.lines), ("branches", file.branches), ("MC/DC conditions", file.conditions)):
+            for at, covered in sorted(places.items(), key=str):
+                key = (path, *what(kind, at, text))
+                sums[kind][1] += 1
+                if covered:
+                    sums[kind][0] += 1
+                elif key in excused:
+                    sums[kind][2] += 1
+                    used.add(key)
+                else:
+                    missed.append(f"{kind}: {at if kind == 'lines' else at[0]}: {' | '.join(key)}")
+    return sums, missed, used
+
+
+def percent(covered, whole, excused=0):
+    return 100.0 * covered / (whole - excused) if whole > excused else 100.0
+
+
+def unit_programs():
+    """Profiles and programs of the tests of the kernel."""
+    profiles, programs = [], []
+    for suffix, real in (("", "float"), ("-double", "double")):
+        run(f"build{suffix}", ["make", "-s", f"-j{os.cpu_count()}", "all", "unit", f"REAL={real}"])
+        for program in ("unit", "lanes"):                  # accuracy reaches nothing more
+            programs.append(os.path.join(TREE, f"build/host{suffix}", program))
+            profiles.append(run(program + suffix, [programs[-1]]))
+    return profiles, programs
+
+
+def measure(name, profiles, programs):
+    profile = os.path.join(ROOT, "build", "coverage", name + ".profdata")
+    coverage_data.merge(profiles, profile)
+    return coverage_data.measured(profile, programs, TREE)
+
+
+def firmware(profiles, programs, show):
+    excused = exclusions()
+    sums, missed, used = judge(measure("firmware", profiles, programs), "firmware/", excused)
+    for kind, (covered, whole, reasons) in sums.items():
+        said = f"figure: coverage of firmware/, {kind}: {covered} of {whole} ({percent(covered, whole):.2f} %)"
+        print(said + (f", {reasons} more cannot be reached, by tests/uncovered.txt" if reasons else ""))
+    for key in excused.keys() - used:
+        claim(False, f"uncovered.txt: covered, or no such line: {' | '.join(key)}")
+    print(*[m for m in missed if show or m.startswith("lines")], sep="\n")
+    for kind in ("lines", "branches"):
+        covered, whole, reasons = sums[kind]
+        claim(percent(covered, whole, reasons) >= LEAST[f"firmware {kind}"], f"{kind} of firmware/: {covered} and {reasons} with a reason, of {whole}")
+
+
+def host(profiles, programs, show):
+    sums, missed, _ = judge(measure("host", profiles, programs), "host/", {})
+    covered, whole, _ = sums["lines"]
+    print(f"figure: coverage of host/, lines: {covered} of {whole} ({percent(covered, whole):.2f} %)")
+    print(*[m for m in missed if show], sep="\n")
+    claim(percent(covered, whole) >= LEAST["host lines"], f"lines of host/: {covered} of {whole}")
+
+
+def main():
+    parser = argparse.ArgumentParser(usage=__doc__.split("\n\n")[1])
+    parser.add_argument("--kernel", action="store_true")
+    parser.add_argument("--missed", action="store_true")
+    args = parser.parse_args()
+    copied()
+    profiles, programs = unit_programs()
+    firmware(profiles, programs, args.missed)
+    if not args.kernel:
+        kelly = [os.path.join(TREE, "build", d, "kelly") for d in ("host", "host-double")]
+        checks = [run(check, [sys.executable, f"tests/check_{check}.py", *CHECKS[check].split()]) for check in CHECKS]
+        host(checks, kelly, args.missed)
+    print(f"{count[True]} passed, {count[False]} failed")
+    return count[False] != 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
