@@ -203,9 +203,9 @@ static wide exp_reduced(wide r)
 /* exp(x) = 2^k exp(r), r = x - k log 2. */
 wide kelly_exp(wide x)
 {
-    if (x != x) return x;
     if (x < -KELLY_EXP_END) return W(0.0);
     if (x > KELLY_EXP_END) x = KELLY_EXP_END;
+    else if (!(x <= KELLY_EXP_END)) return x;                      /* NaN */
     const wide turns = x * W(1.44269504088896341);
     const int k = (int)(turns + (turns < W(0.0) ? W(-0.5) : W(0.5)));
     const wide r = (x - (wide)k * LOG2_UPPER) - (wide)k * LOG2_LOWER;
@@ -220,9 +220,9 @@ float kelly_sqrt32_integer(float x)
     if (bits == 0 || bits >= 0x7f800000u) return x;                /* 0, infinity, NaN; negative is not allowed */
 
     int e = (int)(bits >> 23);
-    uint32_t m = bits & 0x7fffffu;                                 /* x = m 2^(e - 150) */
-    if (e > 0) m |= 0x800000u;
-    else for (e = 1; m < 0x800000u; e--) m <<= 1;                  /* subnormal: at most 23 turns */
+    uint32_t m = (bits & 0x7fffffu) | 0x800000u;                   /* x = m 2^(e - 150) */
+    if (bits < 0x800000u)
+        for (m = bits, e = 1; m < 0x800000u; e--) m <<= 1;         /* subnormal: at most 23 turns */
     const uint32_t even = e & 1 ? m : m << 1;                      /* e - 127 is even where e is odd */
     uint32_t digits = even << 7, root = 0, rest = 0;               /* 25 digits of even, in pairs from the top */
     for (int i = 0; i < 25; i++) {

@@ -81,7 +81,7 @@ static int finish(kelly_receiver *receiver)
     if (!begun) {
         return 0;
     }
-    if (broken || size < KELLY_FRAME_MIN || word_at(receiver->payload + size - 4) != kelly_crc32c(0, receiver->payload, size - 4)) {
+    if (broken || receiver->size < KELLY_FRAME_MIN || word_at(receiver->payload + size - 4) != kelly_crc32c(0, receiver->payload, size - 4)) {
         return drop(receiver, 1);
     }
     receiver->good++;

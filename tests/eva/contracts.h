@@ -4,12 +4,18 @@
 #define KELLY_EVA_CONTRACTS_H
 
 #include "real.h"
+#include "detmath.h"
 #include "link/frame.h"
 #include "random.h"
 
+/*@ assigns \result \from phase;
+    ensures \is_finite(\result) && -1.01 <= \result <= 1.01;
+    ensures 0x4000000000000000 <= phase <= 0x7c00000000000000 ==> \result >= 0.09; */
+real kelly_sin_turn(uint64_t phase);
+
 /*@ requires \is_finite(x);
     assigns \result \from x;
-    ensures \is_finite(\result) && 0 <= \result <= 3.1e307; */
+    ensures \is_finite(\result) && -3.1e307 <= \result <= 3.1e307; */
 wide kelly_exp(wide x);
 
 /*@ requires \valid(rng);

@@ -15,13 +15,23 @@
 #define __builtin_fabs(x) ((x) < 0 ? -(x) : (x))
 #define __builtin_sqrtf sqrtf            /* correctly rounded, as the instruction is */
 
-/* Leading zeros of a number that is not 0: what gcc documents. */
-/*@ requires x != 0;
-    assigns \result \from x;
-    ensures 0 <= \result <= 63;
-    ensures x < 0x8000000000000000 ==> \result >= 1; */
-int eva_clzll(unsigned long long x);
+/* Leading zeros of a number that is not 0, as gcc documents it. */
+static inline int eva_clzll(unsigned long long x)
+{
+    int zeros = 0;
+
+    if (x <= 0xffffffffull) { zeros += 32; x <<= 32; }
+    if (x <= 0xffffffffffffull) { zeros += 16; x <<= 16; }
+    if (x <= 0xffffffffffffffull) { zeros += 8; x <<= 8; }
+    if (x <= 0xfffffffffffffffull) { zeros += 4; x <<= 4; }
+    if (x <= 0x3fffffffffffffffull) { zeros += 2; x <<= 2; }
+    return x <= 0x7fffffffffffffffull ? zeros + 1 : zeros;
+}
 #define __builtin_clzll eva_clzll
+
+#define BOARD_NAME "eva"
+#define BOARD_COUNT_HZ 1000u
+#define BOARD_ICOUNT_SHIFT 0
 
 #define ANY_FLOAT 0x1.fffffep127f
 #define ANY_DOUBLE 0x1.fffffffffffffp1023

@@ -1,33 +1,10 @@
-/* link/ for every byte that a line may bring, every receiver that bytes can have made, every message and every text. */
+/* link/ for every byte that a line may bring, every receiver that bytes can have made, every body of a frame, every text. Messages: messages.c. */
 #include "link/crc32c.h"
 #include "link/frame.h"
 #include "link/keys.h"
 #include "link/messages.h"
 #include "link/wits.h"
 #include "contracts.h"
-
-#define MESSAGES(with) \
-    with(hello) with(hello_reply) with(error) with(case_set) with(case_reply) with(run) with(result) with(status) with(stop) \
-    with(plant_start) with(plant_reply) with(lock_step) with(lock_answer) with(rt_command) with(rt_ack) with(rt_sample) with(rt_query) \
-    with(rt_report) with(wits_query) with(wits)
-
-/* Any body of any size against each message; what is accepted goes back. */
-static void bodies(void)
-{
-    static uint8_t body[KELLY_BODY_MAX + 1], out[KELLY_BODY_MAX];
-    const size_t size = Frama_C_size_t_interval(0, sizeof(body));
-
-    ANY(body);
-#define BODY(name) \
-    { \
-        static kelly_msg_##name message; \
-        if (kelly_get_##name(body, size, &message)) { \
-            const size_t n = kelly_put_##name(out, &message); \
-            /*@ assert n <= sizeof(out); */ \
-        } \
-    }
-    MESSAGES(BODY)
-}
 
 /* A receiver of any state that its header allows takes any byte, and is such a receiver again. */
 static void bytes(void)
@@ -70,7 +47,6 @@ static void texts(void)
 {
     static char text[KELLY_WITS_TEXT + 1], from[64], to[32];
     kelly_wits values;
-    real *const first = &values.depth;
 
     ANY(from);
     from[63] = '\0';
@@ -80,9 +56,21 @@ static void texts(void)
     values.date = any_u32();
     values.time = any_u32();
     values.samples = any_u32();
-    for (real *at = first; at <= &values.probability; at++) {
-        *at = any_real(-1e30, 1e30);
-    }
+    values.depth = any_real(-1e30f, 1e30f);
+    values.wob_mean = any_real(-1e30f, 1e30f);
+    values.wob_max = any_real(-1e30f, 1e30f);
+    values.torque_mean = any_real(-1e30f, 1e30f);
+    values.torque_max = any_real(-1e30f, 1e30f);
+    values.bit_wob_mean = any_real(-1e30f, 1e30f);
+    values.bit_wob_max = any_real(-1e30f, 1e30f);
+    values.bit_torque_mean = any_real(-1e30f, 1e30f);
+    values.bit_torque_max = any_real(-1e30f, 1e30f);
+    values.ss = any_real(-1e30f, 1e30f);
+    values.probability = any_real(-1e30f, 1e30f);
+    values.top_speed = any_real(-1e6f, 1e6f);
+    values.bit_lowest = any_real(-1e6f, 1e6f);
+    values.bit_highest = any_real(-1e6f, 1e6f);
+    values.bit_mean = any_real(-1e6f, 1e6f);
     (void)kelly_wits_frame(text, Frama_C_size_t_interval(0, sizeof(text)), &values);
 }
 
@@ -105,7 +93,6 @@ static void keys(void)
 
 int main(void)
 {
-    bodies();
     bytes();
     frames();
     texts();
