@@ -211,14 +211,13 @@ static wide exp_reduced(wide r)
 /* exp(x) = 2^k exp(r), r = x - k log 2. */
 wide kelly_exp(wide x)
 {
-    if (x != x) {
-        return x;
-    }
     if (x < -KELLY_EXP_END) {
         return W(0.0);
     }
     if (x > KELLY_EXP_END) {
         x = KELLY_EXP_END;
+    } else if (!(x <= KELLY_EXP_END)) {   /* NaN */
+        return x;
     }
     const wide turns = x * W(1.44269504088896341);
     const int k = (int)(turns + (turns < W(0.0) ? W(-0.5) : W(0.5)));
@@ -236,10 +235,9 @@ float kelly_sqrt32_integer(float x)
     }
 
     int e = (int)(bits >> 23);
-    uint32_t m = bits & 0x7fffffu;                                 /* x = m 2^(e - 150) */
-    if (e > 0) {
-        m |= 0x800000u;
-    } else {   /* subnormal: at most 23 turns */
+    uint32_t m = (bits & 0x7fffffu) | 0x800000u;                   /* x = m 2^(e - 150) */
+    if (bits < 0x800000u) {   /* subnormal: at most 23 turns */
+        m = bits;
         for (e = 1; m < 0x800000u; e--) {
             m <<= 1;
         }

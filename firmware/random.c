@@ -79,15 +79,28 @@ static float signed_unit(uint32_t word)
     return (float)(int32_t)word * 0x1.0p-31f;
 }
 
-/* Polar method; the second normal of a pair is not used, so that a draw depends on nothing but the state. */
+/* One try of the polar method from two uniforms of (-1, 1): 0 where they do not lie in the unit circle. */
+static int polar(float a, float b, float *x)
+{
+    const float s = a * a + b * b;                                /* 0, or at least 2^-62 */
+
+    if (!(s >= 0x1.0p-62f && s < 1.0f)) {
+        return 0;
+    }
+    *x = a * kelly_sqrt32(-2.0f * kelly_log32(s) / s);
+    return 1;
+}
+
+/* The second normal of a pair is not used, so that a draw depends on nothing but the state. */
 float kelly_normal(kelly_rng *rng)
 {
     for (int i = 0; i < TRIES; i++) {
         const float a = signed_unit(kelly_rng_next(rng));
         const float b = signed_unit(kelly_rng_next(rng));
-        const float s = a * a + b * b;
-        if (s > 0.0f && s < 1.0f) {
-            return a * kelly_sqrt32(-2.0f * kelly_log32(s) / s);
+        float x;
+
+        if (polar(a, b, &x)) {
+            return x;
         }
     }
     return 0.0f;

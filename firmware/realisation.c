@@ -5,6 +5,7 @@
 
 #define GRAIN (sizeof(real) > sizeof(float) ? R(1e-13) : R(1e-5))   /* least h w_1 that the digits of real carry */
 #define F_OFFSET R(0.01)         /* the constant part of f_a / f0, eq. (F) */
+#define LEAST_COV 1e-4f          /* of kelly_gamma: the spread of less is lost in the digits of float */
 
 static int positive(real x)
 {
@@ -61,7 +62,7 @@ static real sample(const kelly_case *run, uint64_t seed, uint32_t index, unsigne
 {
     kelly_rng rng;
 
-    if (!(run->cov[parameter] > 0.0f)) {
+    if (!(run->cov[parameter] >= LEAST_COV)) {
         return mean;
     }
     kelly_rng_key(&rng, seed, index, parameter);
@@ -126,7 +127,7 @@ static void shares(const kelly_modes *modes, real *sum_g, real *top)
     }
 }
 
-/* Fastest rates of a realisation: lambda [1/s] and the square of the highest frequency [rad2/s2]. */
+/* Fastest rates of a realisation: lambda [1/s] and the square of the highest frequency [rad2/s2], that of the weight among them. */
 static void fastest(const kelly_table *table, const kelly_case *run, const kelly_draw *draw, const kelly_modes *modes, real fc,
                     real *lambda, real *w2)
 {
@@ -143,6 +144,7 @@ static void fastest(const kelly_table *table, const kelly_case *run, const kelly
         *lambda = draw->mu * (fc + run->f0) * (R(1.0) + draw->a1) * sum_g + table->beta * top;
         *w2 = top;
     }
+    *w2 = draw->w0 * draw->w0 > *w2 ? draw->w0 * draw->w0 : *w2;
 }
 
 real kelly_fastest_rate(const kelly_table *table, const kelly_case *run, const kelly_draw *draw, const kelly_modes *modes, real fc)

@@ -45,7 +45,7 @@ void kelly_draw_nominal(const kelly_case *run, kelly_draw *draw);
  * RK4 is stable on the negative real axis to h lambda = 2.785 and on the imaginary axis to h w = 2.8 (2 sqrt 2);
  * lambda <= mu |f|max (1 + a1) sum b_i^2 + max beta w_i^2 with |f|max = fc + f0. A soft drive, whose rotor s = J_d + J - sum d_i^2
  * swings with the modes, adds (1 - sum d_i b_i)^2 / s to sum b_i^2 and 4 Z / s to lambda, and max w_i^2 grows by the factor
- * 1 + sum d_i^2 / s, and by k_i / s. */
+ * 1 + sum d_i^2 / s, and by k_i / s. The weight swings with the top: w0 is a frequency as those of the modes are. */
 kelly_status kelly_realise(const kelly_table *table, const kelly_case *run, const kelly_draw *draw, kelly_modes *modes);
 
 /* Smallest step [s] that kelly_realise accepts for these modes: below it the slowest mode moves by less than some tens of

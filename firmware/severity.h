@@ -10,19 +10,20 @@
 #include "real.h"
 
 #define KELLY_SS_NONE R(10.0)   /* ss where max + min <= 0 */
+#define KELLY_NO_SPEED R(1e-20) /* nothing beside a speed, in any unit; a quotient by more is finite */
 
-/* Severity of the paper from the extremes of the bit speed, any unit. */
+/* Severity of the paper from the extremes of the bit speed, any unit, |speed| <= 1e8. */
 static inline real kelly_severity(real lowest, real highest)
 {
     const real sum = highest + lowest;
 
-    return sum > 0 ? (highest - lowest) / sum : KELLY_SS_NONE;
+    return sum > KELLY_NO_SPEED ? (highest - lowest) / sum : KELLY_SS_NONE;
 }
 
-/* Field index from the extremes and the mean, any unit, as a ratio (1 = 100 %). 0 where the mean is not positive. */
+/* Field index from the extremes and the mean, any unit, |speed| <= 1e6, as a ratio (1 = 100 %). 0 where the mean is not positive. */
 static inline real kelly_ssi(real lowest, real highest, real mean)
 {
-    return mean > 0 ? (highest - lowest) / (2 * mean) : 0;
+    return mean > KELLY_NO_SPEED ? (highest - lowest) / (2 * mean) : 0;
 }
 
 #endif

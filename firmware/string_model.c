@@ -125,12 +125,12 @@ static int in_range(const kelly_table *table, real fc)
 
 int kelly_modes_at(const kelly_table *table, real fc, unsigned count, kelly_modes *out)
 {
-    const real s = (fc - table->fc_mid) * table->fc_scale;
     const unsigned degree = table->degree;
 
     if (!in_range(table, fc) || count > table->torsional) {
         return 0;
     }
+    const real s = (fc - table->fc_mid) * table->fc_scale;
     out->count = count;
     for (unsigned i = 0; i < count; i++) {
         const unsigned at = i * (degree + 1);
@@ -145,12 +145,12 @@ int kelly_modes_at(const kelly_table *table, real fc, unsigned count, kelly_mode
 int kelly_axial_modes_at(const kelly_table *table, real fc, unsigned count,
                          real w2[KELLY_MODES_MAX], real b[KELLY_MODES_MAX])
 {
-    const real s = (fc - table->fc_mid) * table->fc_scale;
     const unsigned degree = table->degree;
 
     if (!in_range(table, fc) || count > table->axial) {
         return 0;
     }
+    const real s = (fc - table->fc_mid) * table->fc_scale;
     for (unsigned j = 0; j < count; j++) {
         const unsigned at = j * (degree + 1);
 

@@ -29,14 +29,16 @@ typedef struct {
     real hz;                      /* f [Hz], > 0 */
 } kelly_drive;
 
-/* What is run: one operating point, its uncertainty and its time grid. All times are whole steps. */
+/* What is run: one operating point, its uncertainty and its time grid. All times are whole steps.
+ * No value on the way overflows, in float, for draws with mu (fc + f0) <= 5e6 N m, mu, a1 <= 1800, 1e-6 <= a2 <= 1.8e7 and w0 <= 1e4
+ * (proved: tests/eva). What overflows beyond that is refused, as nonfinite or for its step, and counted as such. */
 typedef struct {
     real fc;                      /* mean weight on bit |f_c| [N], > 0 */
     real mu;                      /* mean bit-rock factor [m], > 0 */
     real a1, a2;                  /* means of alpha_1 [s/rad], alpha_2 [s2/rad2], > 0 */
     real w0;                      /* mean top speed [rad/s], > 0 */
     real f0;                      /* amplitude of the weight [N], >= 0; not random */
-    float cov[KELLY_PARAMETERS];  /* coefficients of variation of the gamma laws, 0..0.5; 0: that parameter is not random */
+    float cov[KELLY_PARAMETERS];  /* coefficients of variation of the gamma laws, 0..0.5; below 1e-4 that parameter is not random */
     real limit;                   /* severity above which a realisation counts as stick-slip, 0..10 */
     uint32_t step_ns;             /* RK4 step [ns], 1000..1000000000 */
     uint32_t ticks;               /* length of the run [steps], > 0 */

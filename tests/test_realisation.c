@@ -99,6 +99,16 @@ static kelly_status status_at(real fc, real mu, uint32_t step_ns)
     return kelly_realise(&kelly_string, &run, &draw, &modes);
 }
 
+/* A spread that float cannot hold is none: 1 / cov^2 would overflow, and the sampler run out of tries. */
+static void tiny_spread_is_none(void)
+{
+    fixture_case(&run, 1000);
+    run.cov[1] = 1e-25f;
+    run.mu = R(0.1);                                       /* what is drawn is rounded to float, what is not random is not */
+    kelly_draw_sample(&run, 1, 0, &draw);
+    CHECK(fixture_bits(draw.mu) == fixture_bits(run.mu));
+}
+
 /* Nominal rate 771 1/s + beta w^2: 2.785 / rate is 3.61 ms. Without rock the highest mode, 54.77 rad/s, says 51.1 ms. */
 static void refuses_what_it_cannot_trust(void)
 {
@@ -109,6 +119,11 @@ static void refuses_what_it_cannot_trust(void)
     EQUAL(status_at(R(100000.0), R(0.16), 1000000), KELLY_STEP);
     EQUAL(status_at(R(100000.0), R(1e-9), 51000000), KELLY_OK);
     EQUAL(status_at(R(100000.0), R(1e-9), 51300000), KELLY_STEP);
+    run.w0 = R(54.0);                                      /* 2.75 rad a step */
+    EQUAL(status_at(R(100000.0), R(1e-9), 51000000), KELLY_OK);
+    run.w0 = R(61.6);                                      /* half a turn: the weight between two steps would be 0 / 0 */
+    EQUAL(status_at(R(100000.0), R(1e-9), 51000000), KELLY_STEP);
+    fixture_case(&run, 1000);
     modes.count = 77;
     EQUAL(status_at(R(999.0), R(0.04), 1000000), KELLY_RANGE);
     EQUAL(status_at(R(1000100.0), R(0.04), 1000000), KELLY_RANGE);
@@ -264,6 +279,7 @@ void test_realisation(void)
     names_the_largest_step();
     names_the_smallest_step();
     does_not_mind_the_order_of_modes();
+    tiny_spread_is_none();
     lifts_off_below_the_amplitude();
     refuses_bad_physics();
     refuses_bad_numerics();

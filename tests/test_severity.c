@@ -16,4 +16,5 @@ void test_severity(void)
     CHECK(kelly_ssi(R(-1.0), R(7.0), R(2.0)) == R(2.0));
     CHECK(kelly_ssi(R(-1.0), R(7.0), R(0.0)) == 0);
     CHECK(kelly_ssi(R(-9.0), R(7.0), R(-1.0)) == 0);
+    CHECK(kelly_ssi(R(-1e3), R(1e3), R(1e-38)) == 0);        /* no infinity */
 }

@@ -113,7 +113,7 @@ static int start(kelly_bench *bench)
 {
     const kelly_msg_plant_start ask = { .mode = KELLY_MODE_REALTIME, .source = KELLY_SOURCE_NOMINAL, .top_speed = bench->run.w0 };
 
-    if (bench->state != KELLY_STATE_IDLE || bench->run.step_ns % REALTIME_TICK_NS != 0) {
+    if (bench->state != KELLY_STATE_IDLE || bench->run.step_ns < REALTIME_TICK_NS || bench->run.step_ns % REALTIME_TICK_NS != 0) {
         return SCPI_CONFLICT;
     }
     return session_begin(bench, 0, &ask) == KELLY_OK ? SCPI_NO_ERROR : SCPI_CONFLICT;

@@ -66,7 +66,7 @@ void session_start(kelly_bench *bench, uint32_t seq, const kelly_msg_plant_start
         bench_error(seq, KELLY_ERR_NO_CASE, KELLY_MSG_PLANT_START, "set the case first");
         return;
     }
-    if (ask->mode == KELLY_MODE_REALTIME && bench->run.step_ns % REALTIME_TICK_NS != 0) {
+    if (ask->mode == KELLY_MODE_REALTIME && (bench->run.step_ns < REALTIME_TICK_NS || bench->run.step_ns % REALTIME_TICK_NS != 0)) {
         bench_error(seq, KELLY_ERR_VALUE, KELLY_MSG_PLANT_START, "in real time the step is whole milliseconds");
         return;
     }

@@ -29,6 +29,12 @@ static void give(uint8_t *to, pair value, unsigned bytes)
     }
 }
 
+/* Whether the upper bits of a number are below those of infinity, without its sign or with it. */
+static int is_finite(uint32_t upper, uint32_t infinity)
+{
+    return upper < infinity || (upper >= 0x80000000u && upper < 0x80000000u + infinity);
+}
+
 /* ---- a real and the 64 bits of its double ---- */
 
 #ifdef KELLY_DOUBLE
@@ -43,9 +49,12 @@ static int real_of(pair bits, real *value)
 {
     union { uint64_t bits; real value; } u;
 
-    u.bits = (uint64_t)bits.high << 32 | bits.low;
+    if (!is_finite(bits.high, 0x7ff00000u)) {
+        return 0;
+    }
+    u.bits = ((uint64_t)bits.high << 32) + bits.low;
     *value = u.value;
-    return (bits.high >> 20 & 0x7ffu) != 0x7ffu;
+    return 1;
 }
 #else
 /* Exponents: a float has 8 bits, bias 127; a double 11 bits, bias 1023. */
@@ -63,7 +72,7 @@ static pair bits_of(real value)
     } else if (exponent == BIAS_STEP && fraction == 0) {
         exponent = 0;
     } else if (exponent == BIAS_STEP) {          /* subnormal as a float, normal as a double */
-        for (exponent++; (fraction & 0x800000u) == 0; exponent--) {
+        for (exponent++; fraction < 0x800000u; exponent--) {
             fraction <<= 1;
         }
         fraction &= 0x7fffffu;
@@ -79,11 +88,12 @@ static int real_of(pair bits, real *value)
     const uint32_t whole = fraction | 0x800000u;
     const unsigned lost = exponent > 0 ? 0u : (unsigned)(1 - exponent);   /* bits that a subnormal gives up */
 
+    //@ split u.bits;
     if ((bits.high & 0x7fffffffu) != 0 || bits.low != 0) {
         if ((bits.low & 0x1fffffffu) != 0 || exponent >= 255 || lost > 23u || (whole & ((1u << lost) - 1u)) != 0) {
             return 0;
         }
-        u.bits |= exponent > 0 ? (uint32_t)exponent << 23 | fraction : whole >> lost;
+        u.bits += exponent > 0 ? ((uint32_t)exponent << 23) + fraction : whole >> lost;
     }
     *value = u.value;
     return 1;
@@ -171,9 +181,12 @@ static int store(void *at, pair value, unsigned what)
         *(uint64_t *)at = (uint64_t)value.high << 32 | value.low;
         return 1;
     case KELLY_FIELD_F32:
+        if (!is_finite(value.low, 0x7f800000u)) {
+            return 0;
+        }
         narrow.bits = value.low;
         *(float *)at = narrow.value;
-        return (value.low >> 23 & 0xffu) != 0xffu;
+        return 1;
     default:
         return real_of(value, at);
     }

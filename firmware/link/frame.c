@@ -19,6 +19,11 @@ size_t kelly_cobs(uint8_t *to, const uint8_t *from, size_t n)
 {
     size_t code_at = 0, at = 1;
 
+    /* Bytes written beyond those read, at - 1 - i, are the codes of full groups, each of which has taken 254; the open one has room. */
+    /*@ loop invariant 0 <= i <= n && code_at < at <= code_at + GROUP && i + 1 <= at;
+        loop invariant 254 * (at - 1 - i) + (at - code_at - 1) <= i;
+        loop assigns i, code_at, at, to[0 .. n + n / 254];
+        loop variant n - i; */
     for (size_t i = 0; i < n; i++) {
         const uint8_t byte = from[i];
 
@@ -77,7 +82,7 @@ static int finish(kelly_receiver *receiver)
     if (!begun) {
         return 0;
     }
-    if (broken || size < KELLY_FRAME_MIN || word_at(receiver->payload + size - 4) != kelly_crc32c(0, receiver->payload, size - 4)) {
+    if (broken || receiver->size < KELLY_FRAME_MIN || word_at(receiver->payload + size - 4) != kelly_crc32c(0, receiver->payload, size - 4)) {
         return drop(receiver, 1);
     }
     receiver->good++;
@@ -86,7 +91,7 @@ static int finish(kelly_receiver *receiver)
 
 static int append(kelly_receiver *receiver, uint8_t byte)
 {
-    if (receiver->size == KELLY_FRAME_MAX) {
+    if (receiver->size >= KELLY_FRAME_MAX) {
         return drop(receiver, 0);
     }
     receiver->payload[receiver->size++] = byte;

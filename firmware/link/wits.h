@@ -26,7 +26,7 @@ enum {                                   /* what is known */
     KELLY_WITS_STUDY = 16                /* probability, samples */
 };
 
-/* SI; weights and torques positive while drilling. Finite where known. */
+/* SI; weights and torques positive while drilling. Where known within 1e30, speeds within 1e6. */
 typedef struct {
     uint32_t known;                      /* sum of the above; the other fields do not matter */
     uint32_t activity;                   /* WITS code: 2 drilling, 0 none */

@@ -1,0 +1,205 @@
+#!/usr/bin/env python3
+"""No run-time error, proved: Frama-C's Eva over the kernel, the samplers, the codecs and the device program, and WP where Eva cannot see.
+
+usage: tests/check_eva.py [DRIVER...]
+
+Each driver of tests/eva calls public functions with inputs that stand for every value of their documented ranges. A claim is
+that nothing is open: no alarm (memory, overflow, shift, division, uninitialised value, non-finite float), no contract in doubt. Every function of the
+files under proof is reached by one driver or another; statements that none reaches are printed. Then faults are planted in copies:
+each has to be found. What is taken for granted is printed as well.
+"""
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+
+sys.dont_write_bytecode = True
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+EVA = os.path.join(ROOT, "tests", "eva")
+OUT = os.path.join(ROOT, "build", "eva")
+
+LINK = "link/crc32c link/frame link/keys link/messages link/wits link/fields".split()
+
+# driver: (files of firmware/ besides it, options)
+DRIVERS = {
+    "math": (["detmath"], "-eva-precision 3 -eva-min-loop-unroll 25"),
+    "exp": (["detmath"], "-eva-precision 0"),
+    "normal": (["detmath"], "-eva-precision 3 -eva-slevel 100"),
+    "random": (["random", "detmath"], "-eva-precision 3 -eva-auto-loop-unroll 128 -eva-use-spec kelly_normal"),
+    "link": (LINK, "-eva-precision 1 -eva-auto-loop-unroll 32 -eva-use-spec kelly_cobs"),
+}
+
+# (file, functions of it, options): goals of WP, run-time errors included.
+WP = [("link/frame", "kelly_cobs", "")]
+
+# What the proofs take for granted, besides Frama-C itself.
+ASSUMED = [
+    "one lane (KELLY_WIDTH 1): vectors are the same source, and their bits are compared with it by the lanes gates",
+    "x86-64 sizes and byte order; the boards' 32-bit sizes are those of fixed-width types throughout",
+    "sqrtf is correctly rounded, __builtin_clzll is what gcc says it is",
+]
+
+# name: (driver or WP file, file to change, text, what it becomes)
+PLANTED = {
+    "off by one in COBS": ("link/frame", "firmware/link/frame.c", "if (at - code_at == GROUP) {", "if (at - code_at == GROUP + 1u) {"),
+    "no bound on a received payload": ("link", "firmware/link/frame.c", "if (receiver->size >= KELLY_FRAME_MAX) {", "if (receiver->size > KELLY_FRAME_MAX) {"),
+    "no check of a text's length": ("link", "firmware/link/fields.c", "value.low > f->what >> 4 || ", ""),
+    "a logarithm over 0": ("normal", "firmware/random.c", "s >= 0x1.0p-62f && ", ""),
+}
+
+count = {True: 0, False: 0}
+
+
+def claim(holds, text):
+    holds = bool(holds)
+    count[holds] += 1
+    if not holds:
+        print("FAILED: " + text, flush=True)
+    return holds
+
+
+def frama_c(root, directory, files, options):
+    """-> everything that it prints"""
+    includes = f"-I{root}/firmware -I{root}/firmware/board -include {EVA}/eva.h"
+    command = ["frama-c", "-c11", "-machdep", "gcc_x86_64", f"-cpp-extra-args={includes}", "-kernel-warn-key", "parser:decimal-float=inactive"]
+    ran = subprocess.run(command + files + options, cwd=directory, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+    return ran.stdout.decode(errors="replace").replace(root + "/", "")
+
+
+def eva(root, name, driver):
+    """Lines of eva_report.ml for one driver."""
+    files, options = DRIVERS[driver]
+    directory = os.path.join(OUT, name)
+    os.makedirs(directory, exist_ok=True)
+    script = os.path.join(directory, "eva_report.ml")         # compiled beside itself
+    shutil.copy(os.path.join(EVA, "eva_report.ml"), script)
+    sources = [os.path.join(root, "tests", "eva", driver + ".c")] + [os.path.join(root, "firmware", f + ".c") for f in files]
+    text = frama_c(root, directory, sources, ["-load-script", script, "-eva", "-eva-verbose", "0", "-kernel-verbose", "0", "-eva-no-print",
+                                              "-warn-special-float", "non-finite"] + options.split())
+    with open(os.path.join(directory, "log.txt"), "w", encoding="utf-8") as file:
+        file.write(text)
+    return text.splitlines()
+
+
+def open_ones(lines):
+    """Alarms and contracts in doubt. Contracts that a driver uses (contracts.h) are proved by another; `reachability` is no property of the program."""
+    found = [line[5:] for line in lines if line.startswith("open ")]
+    return [f for f in found if " reachability of " not in f and not f.startswith(("tests/eva/contracts.h", "tests/eva/eva.h", "FRAMAC_SHARE"))
+            and not re.match(r"\S+ (default behavior|assigns )", f)]
+
+
+class Coverage:
+    """What the drivers reach together, of the functions of firmware/."""
+
+    def __init__(self):
+        self.reached, self.all, self.files, self.lines, self.dead = set(), set(), set(), {}, {}
+
+    def take(self, lines):
+        dead = {}
+        for line in lines:
+            words = line.split()
+            if words[:1] == ["dead"]:
+                dead.setdefault(re.sub(r"_\d+$", "", words[2]) + " " + words[1].split(":")[0], set()).add(words[1])
+        for line in lines:
+            words = line.split()
+            if words[:1] in (["reached"], ["unreached"]) and words[2].startswith("firmware/"):
+                key = re.sub(r"_\d+$", "", words[1]) + " " + words[2]      # a static of a header has a copy in each file
+                self.all.add(key)
+                self.files.add(words[2])
+                if words[0] == "reached":
+                    self.reached.add(key)
+                    self.dead[key] = self.dead.get(key, dead.get(key, set())) & dead.get(key, set())
+            elif words[:1] == ["statements"] and words[4].startswith("firmware/"):
+                key = re.sub(r"_\d+$", "", words[3]) + " " + words[4]
+                best = self.lines.get(key, (0, 0))
+                self.lines[key] = max(best, (int(words[1]), int(words[2])))
+
+
+def wp(root, name, file, functions, options):
+    """-> goals proved, goals"""
+    directory = os.path.join(OUT, name)
+    os.makedirs(directory, exist_ok=True)
+    text = frama_c(root, directory, [os.path.join(root, "firmware", file + ".c")],
+                   ["-cpp-extra-args=-include " + os.path.join(EVA, "contracts.h"), "-wp", "-wp-rte", "-wp-fct", functions, "-wp-prover", "z3,cvc4", "-wp-timeout", "40"] + options.split())
+    with open(os.path.join(directory, "log.txt"), "w", encoding="utf-8") as file_:
+        file_.write(text)
+    found = re.search(r"Proved goals:\s+(\d+) / (\d+)", text)
+    return (int(found[1]), int(found[2])) if found else (0, 0)
+
+
+def prove(names):
+    coverage, alarms, valid = Coverage(), 0, 0
+    for driver in names:
+        start = time.monotonic()
+        lines = eva(ROOT, driver, driver)
+        found = open_ones(lines)
+        done = [int(line.split()[1]) for line in lines if re.fullmatch(r"valid \d+", line)]
+        claim(len(done) == 1, f"{driver}: the analysis comes to its end: {' '.join(lines[-3:])}")
+        claim(not found, f"{driver}: nothing is open: " + "; ".join(found[:12]))
+        alarms += len(found)
+        valid += sum(done)
+        coverage.take(lines)
+        print(f"{driver}: {len(found)} open, {sum(done)} proved, {time.monotonic() - start:.0f} s", flush=True)
+    return coverage, alarms, valid
+
+
+def cover(coverage):
+    unreached = sorted(coverage.all - coverage.reached)
+    claim(not unreached, "every function is reached: " + ", ".join(unreached))
+    reached, statements = (sum(v[k] for v in coverage.lines.values()) for k in (0, 1))
+    for key in sorted(coverage.dead):
+        if coverage.dead[key]:
+            print(f"not reached by any input: {key.split()[0]}, " + ", ".join(sorted(coverage.dead[key])))
+    return reached, statements
+
+
+def faults():
+    found = 0
+    copy = os.path.join(OUT, "planted")
+    for name, (where, path, old, new) in PLANTED.items():
+        shutil.rmtree(copy, ignore_errors=True)
+        for part in ("firmware", "tests/eva"):
+            shutil.copytree(os.path.join(ROOT, part), os.path.join(copy, part))
+        with open(os.path.join(copy, path), encoding="utf-8") as file:
+            text = file.read()
+        claim(text.count(old) == 1, f"{name}: its place is there once")
+        with open(os.path.join(copy, path), "w", encoding="utf-8") as file:
+            file.write(text.replace(old, new))
+        if where in DRIVERS:
+            seen = bool(open_ones(eva(copy, "planted-run", where)))
+        else:
+            proved, goals = wp(copy, "planted-run", where, *[w[1:] for w in WP if w[0] == where][0])
+            seen = proved < goals
+        found += claim(seen, f"{name}: planted, and not found")
+    return found
+
+
+def main():
+    names = sys.argv[1:] or list(DRIVERS)
+    if shutil.which("why3"):
+        subprocess.run(["why3", "config", "detect"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
+    coverage, alarms, valid = prove(names)
+    if not sys.argv[1:]:
+        reached, statements = cover(coverage)
+        proved = goals = 0
+        for file, functions, options in WP:
+            p, g = wp(ROOT, "wp-" + os.path.basename(file), file, functions, options)
+            claim(p == g and g > 0, f"WP: {file}, {functions}: {p} of {g} goals")
+            proved, goals = proved + p, goals + g
+        found = faults()
+        for text in ASSUMED:
+            print("assumed: " + text)
+        print(f"figure: proof, Eva: alarms with -warn-special-float non-finite: {alarms}")
+        print(f"figure: proof, Eva: functions reached: {len(coverage.reached)} of {len(coverage.all)} in {len(coverage.files)} files")
+        print(f"figure: proof, Eva: statements reached: {reached} of {statements}")
+        print(f"figure: proof, Eva: properties proved: {valid}")
+        print(f"figure: proof, WP: goals proved: {proved} of {goals}")
+        print(f"figure: proof: planted faults found: {found} of {len(PLANTED)}")
+    print(f"{count[True]} passed, {count[False]} failed")
+    return count[False] != 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

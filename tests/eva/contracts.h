@@ -1,0 +1,34 @@
+/* contracts.h - what a driver may take for granted of a function that another driver has analysed for all its inputs (use-spec in
+ * tests/check_eva.py): each `ensures` is proved there, by an assertion of the same words. */
+#ifndef KELLY_EVA_CONTRACTS_H
+#define KELLY_EVA_CONTRACTS_H
+
+#include "real.h"
+#include "detmath.h"
+#include "link/frame.h"
+#include "random.h"
+
+/*@ assigns \result \from phase;
+    ensures \is_finite(\result) && -1.01 <= \result <= 1.01;
+    ensures 0x4000000000000000 <= phase <= 0x7c00000000000000 ==> \result >= 0.09; */
+real kelly_sin_turn(uint64_t phase);
+
+/*@ requires \is_finite(x);
+    assigns \result \from x;
+    ensures \is_finite(\result) && -3.1e307 <= \result <= 3.1e307; */
+wide kelly_exp(wide x);
+
+/*@ requires \valid(rng);
+    assigns \result, *rng \from *rng;
+    ensures \is_finite(\result) && -200 <= \result <= 200; */
+float kelly_normal(kelly_rng *rng);
+
+/* Proved by WP, with the invariants of its loop. */
+/*@ requires n <= KELLY_FRAME_MAX;
+    requires \valid(to + (0 .. n + n / 254)) && \valid_read(from + (0 .. n - 1));
+    assigns to[0 .. n + n / 254] \from from[0 .. n - 1];
+    assigns \result \from n, from[0 .. n - 1];
+    ensures 1 <= \result <= n + n / 254 + 1; */
+size_t kelly_cobs(uint8_t *to, const uint8_t *from, size_t n);
+
+#endif

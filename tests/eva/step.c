@@ -1,0 +1,122 @@
+/* One step of the modes from every state whose speeds and modes are within bounds, in both forms, and every reading of it.
+ *
+ * A run is 100 000 such steps; that no step leaves the bounds is the stability of RK4, which kelly_realise checks before and
+ * kelly_block_sane after a run: intervals cannot see it. */
+#include "integrator.h"
+#include "contracts.h"
+#include "torque.h"
+
+#define SPEED 1e7f                       /* [rad/s] of the stages, torque-free */
+#define STATE 1e12f                      /* of a mode, times its weight in the speed: SPEED / 20 */
+
+static kelly_block block;
+static kelly_modes modes;
+
+/* |2 mu f| is at most F = m / 13, so that m bounds what intervals make of the weight between two ticks. The lever of a torque is
+ * h/2 (sum of b^2), and F > m / 52: h 2 mu f (sum of b^2) <= 2 2.785 (kelly_realise) leaves a lever below 145 / m. */
+static void any_lane(kelly_lane *on, real m, real a)
+{
+    const real lever = R(145.0) / m < R(10.0) ? R(145.0) / m : R(10.0), f = m / R(13.1);
+
+    on->w0 = any_real(0, R(1e4));
+    on->ratio = any_real(0, LARGEST_A1 / (2 * a));
+    on->inverse = any_real(1 / (20 * a), R(1.0001) / a);
+    on->muf_mean = any_real(-f, f);
+    on->muf_swing = any_real(0, f);
+    on->wave_k = any_real(0, R(4.0001));
+    on->wave_half = any_real(0, R(3.0));
+    on->wave = any_real(-f, f);
+    on->dwave = any_real(-2 * f, 2 * f);
+    on->muf = any_real(-f, 0);
+    on->t1 = any_real(-m * R(2.6e7), m * R(2.6e7));
+    on->g1 = any_real(0, lever);
+    on->twice_g1 = any_real(0, 2 * lever);
+    on->g2 = any_real(-lever * R(1.4), 0);
+    on->twice_g2 = any_real(-lever * R(2.8), 0);
+    on->g3 = any_real(-lever * R(4.0), lever * R(4.0));
+    on->y1 = any_real(-SPEED, SPEED);
+    on->y2 = any_real(-SPEED, SPEED);
+    on->y3 = any_real(-SPEED, SPEED);
+    on->y4 = any_real(-SPEED, SPEED);
+    on->lowest = any_real(-SPEED, SPEED);
+    on->highest = any_real(-SPEED, SPEED);
+}
+
+static void any_mode(kelly_mode *mode)
+{
+    mode->w4 = any_real(0, R(1.96));
+    mode->d00 = any_real(R(-2.0), R(2.0));
+    mode->d01 = any_real(R(-8.0), R(8.0));
+    mode->d10 = any_real(R(-2.0), R(2.0));
+    mode->d11 = any_real(R(-2.0), R(2.0));
+    mode->m0 = mode->m1 = mode->m2 = mode->m3 = any_real(R(-10.0), R(10.0));
+    mode->xi = any_real(-STATE, STATE);
+    mode->zeta = any_real(-STATE, STATE);
+}
+
+static void any_slow(kelly_slow_mode *mode)
+{
+    mode->t = any_real(R(-0.3), R(0.3));
+    mode->d = any_real(0, R(0.01));
+    mode->g = any_real(0, R(1.0));
+    mode->m = any_real(0, R(0.01));
+    mode->w4 = any_real(0, R(0.001));
+    mode->v = any_real(-STATE, STATE);
+    mode->x = any_real(-STATE, STATE);
+}
+
+static void any_block(unsigned full, real m, real a)
+{
+    block.h = any_real(R(1e-6), R(1.0));
+    block.al = any_real(0, full ? R(1.0) : R(3.2e-4));
+    block.be = any_real(0, R(100.0));
+    block.vectors = 1;
+    block.full = full;
+    block.phase_step[0] = Frama_C_unsigned_long_long_interval(0, 0x7200000000000000);
+    block.modes = modes.count = KELLY_MODES_MAX;
+    any_lane(&block.lane[0], m, a);
+    for (unsigned i = 0; i < KELLY_MODES_MAX; i++) {
+        modes.w2[i] = any_real(R(1e-3), full ? R(1e8) : R(0.0035));
+        modes.b[i] = any_real(R(1e-4), R(1.0));
+        modes.d[i] = any_real(R(-1e4), R(1e4));
+        if (full) {
+            any_mode(&block.mode[0][i]);
+        } else {
+            any_slow(&block.slow[0][i]);
+        }
+    }
+    block.modes = modes.count = Frama_C_unsigned_int_interval(1, KELLY_MODES_MAX);
+}
+
+/* From a tick of the exact phase, and from one between two. */
+static void step(unsigned full, real m, real a)
+{
+    any_block(full, m, a);
+    block.tick = Frama_C_unsigned_int_interval(1, KELLY_RESYNC - 2);
+    kelly_block_advance(&block, 1);
+}
+
+static void at_exact_phase(void)
+{
+    any_block(1, LARGEST_M, R(1.0));
+    block.tick = KELLY_RESYNC * Frama_C_unsigned_int_interval(0, UINT32_MAX / KELLY_RESYNC);
+    kelly_block_advance(&block, 1);
+}
+
+int main(void)
+{
+    real a = R(1e-6);
+
+    //@ loop unroll 11;
+    for (unsigned j = 0; j < SLICES_A; j++) {
+        step(1, LEAST_M, a);
+        step(1, LARGEST_M, a);
+        if (sizeof(real) == sizeof(float)) {
+            step(0, LEAST_M, a);
+            step(0, LARGEST_M, a);
+        }
+        a *= 20;
+    }
+    at_exact_phase();
+    return 0;
+}
