@@ -215,10 +215,11 @@ int command_map(int argc, char **argv);
 int command_advise(int argc, char **argv);
 int command_sensitivity(int argc, char **argv);
 int command_whatif(int argc, char **argv);
+int command_rare(int argc, char **argv);
 int command_bench(int argc, char **argv);
 int command_manual(int argc, char **argv);
 extern const command_help modes_help, simulate_help, montecarlo_help, map_help, advise_help, manual_help;
-extern const command_help sensitivity_help, whatif_help, bench_help;
+extern const command_help sensitivity_help, whatif_help, rare_help, bench_help;
 
 /* The paper's convergence function over the realisations of opts: writes value[i] at checkpoint n[i]; see convergence.c. */
 #define CHECKPOINTS_MAX 40

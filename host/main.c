@@ -12,6 +12,7 @@ const subcommand commands[] = {
     { "advise", command_advise, &advise_help },
     { "sensitivity", command_sensitivity, &sensitivity_help },
     { "whatif", command_whatif, &whatif_help },
+    { "rare", command_rare, &rare_help },
     { "bench", command_bench, &bench_help },
     { "manual", command_manual, &manual_help },
 };
