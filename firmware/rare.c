@@ -5,12 +5,13 @@
 #include "random.h"
 
 #define QUARTERS 4u
-#define FIRST_STEP 0.8f
+#define FIRST_STEP 0.6f
 #define LEAST_STEP 0.02f
-#define MOST_STEP 4.0f
-/* Acceptance aimed at. 0.44 is the literature's for one level; over many a long step does more harm than a short one: spread at
- * 1e-8 on a plane, 2000 a level, 200 seeds: 0.43 at 0.25, 0.37 at 0.35, 0.43 at 0.44, 0.92 at 0.55. */
-#define TARGET 0.4f
+#define MOST_STEP 1.0f
+/* Acceptance of straight moves aimed at. 0.44 is the literature's for one level; over many, a long step does more harm than a short one. */
+#define TARGET 0.35f
+#define STRAIGHT 3u              /* where a hint leads, every third move is straight, for what the hint does not see */
+#define MISLED 5u                /* a hint by which fewer than one in so many moves is accepted leads no more */
 #define STILL 10u                /* a level must accept one move in so many */
 #define WIDER W(1.25)            /* seen: 92 % coverage without, see kelly_rare_read */
 #define STREAM UINT64_C(0x7261726500000000)    /* "rare": keeps the walk's streams off those of the first level */
@@ -157,6 +158,12 @@ static void key_move(const kelly_rare *rare, uint32_t chain, kelly_rng *rng)
     kelly_rng_key(rng, kelly_splitmix64(&key), chain, rare->at);
 }
 
+/* Whether the hint leads the present move. */
+static int is_led(const kelly_rare *rare)
+{
+    return rare->leads && rare->at % STRAIGHT != 0;
+}
+
 /* From state `at` - 1 of each chain of the quarter. */
 static void propose(kelly_rare *rare)
 {
@@ -169,7 +176,7 @@ static void propose(kelly_rare *rare)
         kelly_rng rng;
 
         key_move(rare, i % rare->chains, &rng);
-        if (kelly_rare_move(rare, &rng, old->x, rare->samples[i].x)) {
+        if (kelly_rare_move(rare, &rng, is_led(rare), old->x, rare->samples[i].x)) {
             rare->samples[i].id = rare->realisations;
         } else {
             rare->samples[i] = *old;                       /* run again, for whole vectors */
@@ -200,30 +207,38 @@ static void draw_all(kelly_rare *rare)
 static void settle(kelly_rare *rare)
 {
     kelly_rare_level *const level = now(rare);
+    uint32_t accepted = 0;
 
     for (uint32_t i = rare->first; i < rare->first + rare->count; i++) {
         level->refused += rare->samples[i].guide < 0.0f;
-        if (rare->level == 0) {
-            continue;
-        }
-        level->proposed++;
-        if (inside(rare, i, rare->guide)) {
-            rare->quarter_accepted += rare->samples[i].id != rare->samples[i - rare->chains].id;
-        } else {
+        if (rare->level > 0 && inside(rare, i, rare->guide)) {
+            accepted += rare->samples[i].id != rare->samples[i - rare->chains].id;
+        } else if (rare->level > 0) {
             rare->samples[i] = rare->samples[i - rare->chains];
+        }
+    }
+    if (rare->level > 0) {
+        level->proposed += rare->count;
+        level->accepted += accepted;
+        if (is_led(rare)) {
+            level->led += rare->count;
+            level->led_accepted += accepted;
+        } else {
+            rare->straight += rare->count;
+            rare->straight_accepted += accepted;
         }
     }
 }
 
-/* After a quarter: a longer step where more than TARGET were accepted. Plain products: the same bits everywhere. */
+/* After a quarter: a longer step where more than TARGET of the straight moves were accepted, and whether the hint goes on leading.
+ * Plain products: the same bits everywhere. */
 static void adapt(kelly_rare *rare)
 {
-    const uint32_t moves = rare->count * (KELLY_RARE_STATES - 1u);
-    const float factor = 1.0f + ((float)(int32_t)rare->quarter_accepted / (float)(int32_t)moves - TARGET);
+    const float factor = 1.0f + ((float)(int32_t)rare->straight_accepted / (float)(int32_t)rare->straight - TARGET);
     const float step = rare->step * (factor * factor);
 
-    now(rare)->accepted += rare->quarter_accepted;
-    rare->quarter_accepted = 0;
+    rare->straight = rare->straight_accepted = 0;
+    rare->leads = rare->leads && now(rare)->led_accepted * MISLED >= now(rare)->led;
     rare->step = step < LEAST_STEP ? LEAST_STEP : step > MOST_STEP ? MOST_STEP : step;
     now(rare)->step = rare->step;
 }
@@ -283,7 +298,9 @@ static void next_level(kelly_rare *rare)
     }
     rare->guide = now(rare)->guide;
     choose_seeds(rare, rare->guide);
-    kelly_rare_fit(rare);
+    if (rare->leads) {
+        kelly_rare_aim(rare);
+    }
     rare->level++;
     *now(rare) = (kelly_rare_level){ .step = rare->step };
     rare->quarter = 0;
@@ -338,6 +355,13 @@ const char *kelly_rare_start(kelly_rare *rare, const float cov[KELLY_PARAMETERS]
     }
     draw_all(rare);
     return 0;
+}
+
+void kelly_rare_lead(kelly_rare *rare, kelly_rare_hint hint, const void *of)
+{
+    rare->hint = hint;
+    rare->of = of;
+    rare->leads = 1;
 }
 
 /* ---- the answer ---------------------------------------------------------------------------------------------------- */

@@ -3,18 +3,21 @@
  * The rare event is reached over a chain of events of which each has p = 0.1 given the one before: P = p_0 p_1 ... p_m.
  * A level holds n samples. The tenth of them with the largest guide start Markov chains of ten states within the next event.
  *
- *     guide   g = R^8 ss,  and KELLY_RARE_FAILED where ss > limit, which alone is the event
- *             R = b_1^2 T'(w0) / (alpha + beta w_1^2), at least 1e-4: the negative damping by the rock over the damping of the first mode
+ *     guide   g = R^4 ss,  and KELLY_RARE_FAILED where ss > limit, which alone is the event
+ *             R = b_1^2 T'(w0) / (alpha + beta w_1^2), at least 1e-6: the negative damping by the rock over the damping of the first mode
  *             T' = mu fc [ a1 (a2 w^2 - 1) / (1 + a2 w^2)^2 - sech^2 w ], the slope of -T of eq. (B)
  *
- * ss alone traps the chains where f_a meets a torsional mode, w0 = w_i: there it rises and leads nowhere. R leads past. At 2.19e-8
- * (mu 0.004, 240 rpm, all laws at 0.1), 40 seeds: R^4 ss gave 1.15 of it in the median, 1.18 +- 0.06 in the mean, R^8 ss 1.00 and
- * 1.11 +- 0.07, with a long tail to large answers. At 1e-5 and above the mean is within 4 % and the spread at most 0.23.
+ * ss alone traps the chains where f_a meets a torsional mode, w0 = w_i: there it rises and leads nowhere. R leads past.
  *
- *     walk    in the x of kelly_gamma_value, one x a random parameter, by conditional sampling: along each axis of the seeds' scatter
- *             x' = sqrt(1 - s^2) x + s u, u normal, keeps the normal law whatever s; s = step times the scatter along that axis, at
- *             most 1, so that a chain forgets quickly what the event leaves free. With probability exp(log_weight(x') - log_weight(x))
- *             it keeps the gamma law. One step, moved after each quarter of the chains towards an acceptance of 0.4.
+ *     walk    in the x of kelly_gamma_value, one x a random parameter. A straight move (conditional sampling) is
+ *             x' = sqrt(1 - s^2) x + s u, u normal, which keeps the normal law whatever s, and with probability
+ *             exp(log_weight(x') - log_weight(x)) the gamma law. One step s for all, moved after each quarter of the chains
+ *             towards an acceptance of 0.35.
+ *     hint    R^4 times the ss of the linear string: what f_a keeps up at w0, and what is left of the start. It costs no realisation,
+ *             and is within a tenth or two of g while the motion is small. Two moves in three are led by it: a chain of 8 steps
+ *             over the laws within hint > level, softened, proposes; a realisation decides. It goes far and is accepted about every
+ *             second time, where straight moves creep. It cannot make an answer wrong, only slow: the moves keep the law of
+ *             the event whatever the hint is, and one by which fewer than a fifth are accepted leads no more.
  *
  * A first level with n / 10 failures is plain Monte Carlo, and read as such: its draws are those of kelly_run for the same seed.
  *
@@ -23,7 +26,7 @@
  *
  * Random  stream (seed, level, chain, step): the same samples on every machine, at any number of lanes or threads.
  * Memory  sizeof(kelly_rare) + 32 n bytes, the caller's.
- * Cost    n + 0.9 n a level beyond the first realisations, and some 20 n log n operations a level.
+ * Cost    n + 0.9 n a level beyond the first realisations, some 20 n log n operations a level, 8 hints a led move.
  */
 #ifndef KELLY_RARE_H
 #define KELLY_RARE_H
@@ -65,9 +68,13 @@ typedef struct {
     float step;                         /* of the walk, at the end of the level */
     uint32_t failed, refused;           /* of its samples; of its realisations */
     uint32_t proposed, accepted;        /* moves; 0 in the first level */
+    uint32_t led, led_accepted;         /* those of them that the hint led */
     uint32_t inside;                    /* samples in the next event, p = inside / n */
     wide variance;                      /* squared coefficient of variation of p, eq. 27 and 29 of Au and Beck */
 } kelly_rare_level;
+
+/* Logarithm of a cheap guess of the guide at x, from any scale; far below all others where x cannot be run. */
+typedef float (*kelly_rare_hint)(const void *of, const float x[KELLY_PARAMETERS]);
 
 /* Not to be written, except the guides. */
 typedef struct {
@@ -80,10 +87,12 @@ typedef struct {
     uint32_t level, quarter, at;        /* at: state of the chains that is proposed */
     uint32_t first, count;              /* samples to be evaluated */
     uint32_t realisations;
-    uint32_t quarter_accepted;
-    float step;
-    float axis[KELLY_PARAMETERS][KELLY_PARAMETERS];   /* of the seeds' scatter, one a column */
-    float scatter[KELLY_PARAMETERS];    /* along it, a standard deviation */
+    uint32_t straight, straight_accepted;   /* moves of the present quarter */
+    float step;                         /* of straight moves */
+    kelly_rare_hint hint;
+    const void *of;
+    int leads;                          /* the hint is used */
+    float hint_level;                   /* of the present event, as the hint sees it */
     float guide;                        /* of the present event */
     uint32_t distinct;                  /* different failures in the last level */
     kelly_rare_level levels[KELLY_RARE_LEVELS];
@@ -100,6 +109,9 @@ typedef struct {
 const char *kelly_rare_start(kelly_rare *rare, const float cov[KELLY_PARAMETERS], uint64_t seed, uint32_t n,
                              kelly_rare_sample *samples, uint32_t *keys);
 
+/* Let `hint` of `of` lead the moves; both stay in use. Right after kelly_rare_start, or never: then all moves are straight. */
+void kelly_rare_lead(kelly_rare *rare, kelly_rare_hint hint, const void *of);
+
 /* Samples that wait for their guide, from rare->first on; 0 at the end, and rare->state says which. */
 uint32_t kelly_rare_count(const kelly_rare *rare);
 
@@ -109,11 +121,11 @@ void kelly_rare_accept(kelly_rare *rare);
 /* The answer of a run that is KELLY_RARE_DONE. */
 void kelly_rare_read(const kelly_rare *rare, kelly_rare_estimate *out);
 
-/* For rare.c: axes and scatter of the seeds, the first `chains` samples. */
-void kelly_rare_fit(kelly_rare *rare);
+/* For rare.c: level of the hint that stands for the present event, from the seeds, the first `chains` samples. */
+void kelly_rare_aim(kelly_rare *rare);
 
-/* For rare.c: the next state of a chain; 0 where the laws turn it down. */
-int kelly_rare_move(const kelly_rare *rare, kelly_rng *rng, const float old[KELLY_PARAMETERS], float next[KELLY_PARAMETERS]);
+/* For rare.c: the next state of a chain, straight or led; 0 where it stays. */
+int kelly_rare_move(const kelly_rare *rare, kelly_rng *rng, int led, const float old[KELLY_PARAMETERS], float next[KELLY_PARAMETERS]);
 
 /* Whether a sample of a run that is over is one of its failures. */
 int kelly_rare_failed(const kelly_rare_sample *sample);
@@ -124,5 +136,13 @@ const char *kelly_rare_reason(kelly_rare_state state);
 /* Parameters of a sample, and its guide once they have been run. */
 void kelly_rare_draw(const kelly_case *run, const kelly_rare_sample *sample, kelly_draw *draw);
 float kelly_rare_guide(const kelly_table *table, const kelly_case *run, const kelly_result *result);
+
+/* The hint for that guide: `string` is a kelly_rare_string. Some 40 operations a mode. */
+typedef struct {
+    const kelly_table *table;
+    const kelly_case *run;
+} kelly_rare_string;
+
+float kelly_rare_guess(const void *string, const float x[KELLY_PARAMETERS]);
 
 #endif

@@ -1,109 +1,106 @@
-/* rare_walk.c - one move of a chain along the axes of the seeds' scatter. See rare.h. */
+/* rare_walk.c - one move of a chain: straight, or led by the hint. See rare.h. */
 #include "detmath.h"
 #include "rare.h"
 
 #define SIZE KELLY_PARAMETERS
-#define SWEEPS 6                 /* of Jacobi's method: quadratic once it is near, 4 are enough for float */
+#define INNER 8u                 /* steps over the hint in a led move: twice as many gain nothing */
+#define SHARP 9.0f               /* a hint that is short by a tenth counts as 0.39 times as likely */
+#define LEAST 1e-30f             /* of a guide whose logarithm is taken */
 
-/* Covariance of the seeds. */
-static void covariance(const kelly_rare *rare, float c[SIZE][SIZE])
+/* Logarithm of the weights that turn the normal laws into the gamma laws. */
+static float log_law(const kelly_rare *rare, const float x[SIZE])
 {
-    const float n = (float)(int32_t)rare->chains;
-    float mean[SIZE] = { 0.0f };
+    float sum = 0.0f;
 
-    for (uint32_t i = 0; i < rare->chains; i++) {
-        for (unsigned k = 0; k < SIZE; k++) {
-            mean[k] += rare->samples[i].x[k] / n;
-        }
-    }
-    for (unsigned k = 0; k < SIZE; k++) {
-        for (unsigned l = 0; l < SIZE; l++) {
-            c[k][l] = 0.0f;
-            for (uint32_t i = 0; i < rare->chains; i++) {
-                c[k][l] += (rare->samples[i].x[k] - mean[k]) * (rare->samples[i].x[l] - mean[l]) / n;
-            }
-        }
-    }
-}
-
-/* Columns p and q of m turned by the angle of cosine c and sine s; rows where `rows`. */
-static void turn(float m[SIZE][SIZE], unsigned p, unsigned q, float c, float s, int rows)
-{
-    for (unsigned k = 0; k < SIZE; k++) {
-        float *const a = rows ? &m[p][k] : &m[k][p], *const b = rows ? &m[q][k] : &m[k][q];
-        const float x = *a, y = *b;
-
-        *a = c * x - s * y;
-        *b = s * x + c * y;
-    }
-}
-
-/* Jacobi's rotation that takes m[p][q] away (Golub and Van Loan, 8.5). What is not random has zeros and is never turned. */
-static void rotate(float m[SIZE][SIZE], float axis[SIZE][SIZE], unsigned p, unsigned q)
-{
-    float tau, root, t, c;
-
-    if (!(m[p][q] > 1e-9f || m[p][q] < -1e-9f)) {
-        return;
-    }
-    tau = (m[q][q] - m[p][p]) / (2.0f * m[p][q]);          /* below 1e10: covariances are of order 1 */
-    root = kelly_sqrt32(1.0f + tau * tau);
-    t = tau < 0.0f ? -1.0f / (root - tau) : 1.0f / (root + tau);
-    c = 1.0f / kelly_sqrt32(1.0f + t * t);
-    turn(m, p, q, c, t * c, 0);
-    turn(m, p, q, c, t * c, 1);
-    turn(axis, p, q, c, t * c, 0);
-}
-
-void kelly_rare_fit(kelly_rare *rare)
-{
-    float m[SIZE][SIZE];
-
-    covariance(rare, m);
-    for (unsigned k = 0; k < SIZE; k++) {
-        for (unsigned l = 0; l < SIZE; l++) {
-            rare->axis[k][l] = k == l ? 1.0f : 0.0f;
-        }
-    }
-    for (unsigned sweep = 0; sweep < SWEEPS; sweep++) {
-        for (unsigned p = 0; p + 1 < SIZE; p++) {
-            for (unsigned q = p + 1; q < SIZE; q++) {
-                rotate(m, rare->axis, p, q);
-            }
-        }
-    }
-    for (unsigned k = 0; k < SIZE; k++) {
-        rare->scatter[k] = m[k][k] >= 1.0f ? 1.0f : m[k][k] > 0.0f ? kelly_sqrt32(m[k][k]) : 0.0f;
-    }
-}
-
-/* The same length whether the laws keep it or not, so that the stream is read the same way. */
-int kelly_rare_move(const kelly_rare *rare, kelly_rng *rng, const float old[SIZE], float next[SIZE])
-{
-    float gain = 0.0f;
-
-    for (unsigned k = 0; k < SIZE; k++) {
-        next[k] = 0.0f;
-    }
-    for (unsigned j = 0; j < SIZE; j++) {
-        const float far = rare->step * rare->scatter[j], s = far < 1.0f ? far : 1.0f;
-        float along = 0.0f;
-
-        if (!(rare->cov[j] > 0.0f)) {
-            continue;
-        }
-        for (unsigned k = 0; k < SIZE; k++) {
-            along += rare->axis[k][j] * old[k];
-        }
-        along = kelly_sqrt32(1.0f - s * s) * along + s * kelly_normal(rng);
-        for (unsigned k = 0; k < SIZE; k++) {
-            next[k] += rare->axis[k][j] * along;
-        }
-    }
     for (unsigned k = 0; k < SIZE; k++) {
         if (rare->cov[k] > 0.0f) {
-            gain += kelly_gamma_log_weight(next[k], rare->cov[k]) - kelly_gamma_log_weight(old[k], rare->cov[k]);
+            sum += kelly_gamma_log_weight(x[k], rare->cov[k]);
         }
     }
-    return kelly_log32(kelly_open01(kelly_rng_next(rng))) < gain;
+    return sum;
+}
+
+/* x' = sqrt(1 - s^2) x + s u, u normal: keeps the normal law whatever s, 0 < s <= 1. */
+static void stray(const kelly_rare *rare, kelly_rng *rng, float s, const float old[SIZE], float next[SIZE])
+{
+    const float keep = kelly_sqrt32(1.0f - s * s);
+
+    for (unsigned k = 0; k < SIZE; k++) {
+        next[k] = rare->cov[k] > 0.0f ? keep * old[k] + s * kelly_normal(rng) : 0.0f;
+    }
+}
+
+static int wins(kelly_rng *rng, float log_ratio)
+{
+    return kelly_log32(kelly_open01(kelly_rng_next(rng))) < log_ratio;
+}
+
+static int straight_move(const kelly_rare *rare, kelly_rng *rng, const float old[SIZE], float next[SIZE])
+{
+    stray(rare, rng, rare->step, old, next);
+    return wins(rng, log_law(rare, next) - log_law(rare, old));
+}
+
+/* Logarithm of h = min(1, (hint / level)^SHARP): how likely the hint thinks it that x is in the event. */
+static float log_share(const kelly_rare *rare, const float x[SIZE])
+{
+    const float beyond = rare->hint(rare->of, x) - rare->hint_level;
+
+    return beyond < 0.0f ? SHARP * beyond : 0.0f;
+}
+
+/* A short chain over the laws times h, which costs no realisation; where it ends is one proposal, that the laws within the event
+ * accept with probability min(1, h(old) / h(next)) (Liu, Monte Carlo Strategies, 2001, 9.4.3). Its steps are of all lengths. */
+static int led_move(const kelly_rare *rare, kelly_rng *rng, const float old[SIZE], float next[SIZE])
+{
+    const float old_share = log_share(rare, old);
+    float share = old_share, law = log_law(rare, old), trial[SIZE];
+    int moved = 0;
+
+    for (unsigned k = 0; k < SIZE; k++) {
+        next[k] = old[k];
+    }
+    for (unsigned i = 0; i < INNER; i++) {
+        const float u = kelly_open01(kelly_rng_next(rng));
+        float trial_law, trial_share;
+
+        stray(rare, rng, u * u, next, trial);
+        trial_law = log_law(rare, trial);
+        trial_share = log_share(rare, trial);
+        if (wins(rng, (trial_law - law) + (trial_share - share))) {
+            for (unsigned k = 0; k < SIZE; k++) {
+                next[k] = trial[k];
+            }
+            law = trial_law;
+            share = trial_share;
+            moved = 1;
+        }
+    }
+    return wins(rng, old_share - share) && moved;
+}
+
+int kelly_rare_move(const kelly_rare *rare, kelly_rng *rng, int led, const float old[SIZE], float next[SIZE])
+{
+    return led ? led_move(rare, rng, old, next) : straight_move(rare, rng, old, next);
+}
+
+/* Guide over hint is near one in the mean, and no more: the seeds say by how much, and how much it scatters. */
+void kelly_rare_aim(kelly_rare *rare)
+{
+    float sum = 0.0f, squares = 0.0f, n = 0.0f, mean, variance;
+
+    for (uint32_t i = 0; i < rare->chains; i++) {
+        const kelly_rare_sample *const seed = &rare->samples[i];
+
+        if (!kelly_rare_failed(seed) && seed->guide > LEAST) {
+            const float ratio = kelly_log32(seed->guide) - rare->hint(rare->of, seed->x);
+
+            sum += ratio;
+            squares += ratio * ratio;
+            n += 1.0f;
+        }
+    }
+    mean = n > 0.0f ? sum / n : 0.0f;
+    variance = n > 0.0f ? squares / n - mean * mean : 0.0f;
+    rare->hint_level = kelly_log32(rare->guide > LEAST ? rare->guide : LEAST) - mean - (variance > 0.0f ? kelly_sqrt32(variance) : 0.0f);
 }

@@ -82,6 +82,7 @@ static void run_search(search *s)
     const double start = now();
     kelly_rare_sample *const samples = calloc(s->samples, sizeof(*samples));
     uint32_t *const keys = calloc(s->samples, sizeof(*keys));
+    const kelly_rare_string string = { &kelly_string, &s->opts->run };
     const char *error;
 
     s->draws = calloc(s->samples, sizeof(*s->draws));
@@ -92,6 +93,7 @@ static void run_search(search *s)
     if (error) {
         die(EXIT_USAGE, "rare: %s", error);
     }
+    kelly_rare_lead(&s->rare, kelly_rare_guess, &string);
     while (kelly_rare_count(&s->rare) > 0) {
         evaluate(s);
         show(s, start);

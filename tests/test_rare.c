@@ -1,4 +1,5 @@
 /* test_rare.c - subset simulation on events whose probability is known, and where it must give no answer. */
+#include "../firmware/detmath.h"
 #include "../firmware/link/crc32c.h"
 #include "check.h"
 #include "fixture.h"
@@ -14,21 +15,49 @@ static kelly_rare_estimate answer;
 static const float normals[KELLY_PARAMETERS] = { 0.001f, 0.001f, 0.001f, 0.001f, 0.001f };
 static const float one_gamma[KELLY_PARAMETERS] = { 0.0f, 0.5f };
 
+/* Grows like exp(1.2 x) over what is met: its logarithm is what a hint guesses. */
+static float steep(float x)
+{
+    float y = x > -20.0f ? 1.0f + (x + 20.0f) / 32.0f : 1.0f;
+
+    for (unsigned i = 0; i < 6; i++) {
+        y *= y;
+    }
+    return y;
+}
+
 static float above(float x, float limit)
 {
-    return x > limit ? KELLY_RARE_FAILED : x > -20.0f ? x + 20.0f : 0.0f;
+    return x > limit ? KELLY_RARE_FAILED : steep(x);
+}
+
+static float height(const float x[KELLY_PARAMETERS])
+{
+    return ((x[0] + x[1]) + (x[2] + x[3]) + x[4]) * 0.4472136f;
 }
 
 /* A plane in five standard normals: P = Phi(-limit). */
 static float plane(const kelly_rare_sample *s, float limit)
 {
-    return above(((s->x[0] + s->x[1]) + (s->x[2] + s->x[3]) + s->x[4]) * 0.4472136f, limit);
+    return above(height(s->x), limit);
 }
 
 /* One gamma of shape 4, mean 4: P = exp(-y) (1 + y + y^2/2 + y^3/6). */
 static float far_out(const kelly_rare_sample *s, float limit)
 {
     return above(kelly_gamma_value(s->x[1], 4.0f, 0.5f), limit);
+}
+
+/* Hints for it: a good one, one that sees things, one that points the other way. */
+typedef enum { NO_HINT, GOOD, BLURRED, WRONG } advice;
+static advice advised;
+
+static float hint(const void *of, const float x[KELLY_PARAMETERS])
+{
+    const advice kind = *(const advice *)of;
+    const float h = kind == WRONG ? -height(x) : height(x), blur = kind == BLURRED ? 0.3f * x[0] * x[1] : 0.0f;
+
+    return kelly_log32(steep(h + blur)) + 3.0f;
 }
 
 typedef enum { PLANE, FAR_OUT, CORNER, FREEZE, FLAT, REFUSE } event;
@@ -45,7 +74,7 @@ static float guide(event what, const kelly_rare_sample *s, float limit)
     case FLAT:                                             /* no way up */
         return 1.0f;
     case REFUSE:
-        return plane(s, 1.9f) > 100.0f ? KELLY_RARE_REFUSED : plane(s, limit);
+        return height(s->x) > 1.9f ? KELLY_RARE_REFUSED : plane(s, limit);
     default:
         return plane(s, limit);
     }
@@ -55,6 +84,9 @@ static float guide(event what, const kelly_rare_sample *s, float limit)
 static int simulate(event what, const float cov[KELLY_PARAMETERS], float limit, uint64_t seed, uint32_t n)
 {
     CHECK(kelly_rare_start(&rare, cov, seed, n, samples, keys) == 0);
+    if (advised != NO_HINT) {
+        kelly_rare_lead(&rare, hint, &advised);
+    }
     while (kelly_rare_count(&rare) > 0) {
         for (uint32_t i = rare.first; i < rare.first + rare.count; i++) {
             samples[i].guide = guide(what, &samples[i], limit);
@@ -89,12 +121,34 @@ static uint32_t digest(uint32_t n)
 
 static void has_the_same_bits_everywhere(void)
 {
-    CHECK(simulate(PLANE, normals, 2.3263f, 5, 200));
+    CHECK(simulate(PLANE, normals, 2.3263f, 3, 200));
     EQUAL(rare.level, 2);
-    EQUAL(digest(200), 0x11c6379u);
+    EQUAL(digest(200), 0xf64c61ebu);
     CLOSE(answer.probability, W(0.01), W(0.006));
     (void)simulate(FAR_OUT, one_gamma, 9.0f, UINT64_C(0x123456789abcdef0), 200);
-    EQUAL(digest(200), 0xfb35b692u);
+    EQUAL(digest(200), 0xcf846d9du);
+    advised = GOOD;
+    CHECK(simulate(PLANE, normals, 2.3263f, 3, 200));
+    EQUAL(digest(200), 0x31a9a457u);
+    advised = NO_HINT;
+}
+
+/* A good hint is accepted more often than straight moves are, a wrong one leads no more after one level. */
+static void follows_a_hint_that_helps(void)
+{
+    advised = GOOD;
+    CHECK(simulate(PLANE, normals, 3.0f, 5, 200) || rare.state == KELLY_RARE_FEW);
+    CHECK(rare.leads);
+    for (uint32_t l = 1; l <= rare.level; l++) {
+        EQUAL(rare.levels[l].led, 120);                    /* six moves of nine, 20 chains */
+        CHECK(rare.levels[l].led_accepted * 2 > rare.levels[l].led);
+        CHECK(rare.levels[l].accepted >= rare.levels[l].led_accepted && rare.levels[l].proposed == 180);
+    }
+    advised = WRONG;
+    (void)simulate(PLANE, normals, 4.0f, 5, 200);
+    CHECK(!rare.leads && rare.level >= 2);
+    EQUAL(rare.levels[rare.level].led, 0);
+    advised = NO_HINT;
 }
 
 static int is_first(uint32_t i)
@@ -112,7 +166,7 @@ static void leaves_samples_of_the_event(void)
 {
     uint32_t failed = 0, distinct = 0;
 
-    CHECK(simulate(PLANE, normals, 2.3263f, 5, 200));
+    CHECK(simulate(PLANE, normals, 2.3263f, 3, 200));
     for (uint32_t i = 0; i < 200; i++) {
         CHECK(samples[i].guide >= rare.guide);
         CHECK(samples[i].guide == plane(&samples[i], 2.3263f));
@@ -176,7 +230,7 @@ static void refuses_with_a_reason(void)
     CHECK(rare.levels[1].inside == 200 && rare.levels[1].variance == 0);   /* p = 1: no 0/0 */
     expect(KELLY_RARE_UNKNOWN, REFUSE, 4.0f, 1);
     CHECK(rare.levels[rare.level].refused > 0);
-    expect(KELLY_RARE_FEW, PLANE, 2.6f, 1);
+    expect(KELLY_RARE_FEW, PLANE, 2.6f, 3);
     CHECK(rare.distinct < KELLY_RARE_DISTINCT && rare.levels[rare.level].failed >= 20);
     CHECK(kelly_rare_start(&rare, nothing, 1, 200, samples, keys) != 0);
     CHECK(kelly_rare_start(&rare, normals, 1, 160, samples, keys) != 0);
@@ -186,7 +240,7 @@ static void refuses_with_a_reason(void)
     }
 }
 
-/* (b_1^2 T' / c_1)^8 ss in floating point from elsewhere; above the limit it is a failure, without a result it is refused. */
+/* (b_1^2 T' / c_1)^4 ss in floating point from elsewhere; above the limit it is a failure, without a result it is refused. */
 static void guides_by_the_negative_damping(void)
 {
     kelly_result r = { .ss = R(0.5), .status = KELLY_OK };
@@ -198,7 +252,7 @@ static void guides_by_the_negative_damping(void)
     run.mu = R(0.004);
     kelly_draw_nominal(&run, &r.draw);
     before = kelly_rare_guide(&kelly_string, &run, &r);
-    CLOSE((wide)before / W(0.00859595), W(1.0), W(1e-4));
+    CLOSE((wide)before / W(0.0655589), W(1.0), W(1e-4));
     r.ss = R(0.25);
     CLOSE((wide)kelly_rare_guide(&kelly_string, &run, &r) / (wide)before, W(0.5), W(1e-6));
     r.draw.w0 = R(0.5);                                    /* positive damping: clamped, and still ordered by ss */
@@ -248,6 +302,14 @@ static void study(event what, const float cov[KELLY_PARAMETERS], float limit, wi
 
 static void is_right_on_average(void)
 {
+    static const advice advices[] = { NO_HINT, GOOD, BLURRED, WRONG };
+
+    for (unsigned i = 0; i < 4; i++) {
+        advised = advices[i];
+        study(PLANE, normals, 2.326348f, W(1e-2), 100, 90, W(0.17));
+        study(PLANE, normals, 4.753424f, W(1e-6), 100, advised == WRONG ? 85 : 90, advised == GOOD ? W(0.25) : W(0.42));
+    }
+    advised = NO_HINT;
     study(PLANE, normals, 0.0f, W(0.5), 100, 90, W(0.05));
     study(PLANE, normals, 2.326348f, W(1e-2), 100, 90, W(0.15));
     study(PLANE, normals, 3.090232f, W(1e-3), 100, 90, W(0.2));
@@ -262,6 +324,7 @@ void test_rare(void);
 void test_rare(void)
 {
     has_the_same_bits_everywhere();
+    follows_a_hint_that_helps();
     leaves_samples_of_the_event();
     is_plain_where_that_is_enough();
     draws_what_kelly_run_draws();
