@@ -5,6 +5,8 @@
 #include <time.h>
 
 #include "map.h"
+#include "outcome.h"
+#include "team.h"
 
 #define DEFAULT_SAMPLES 2400u
 #define NEAR 0.02                /* a top speed this near 60 f_i, as a ratio, counts as resonance */
@@ -18,6 +20,7 @@ typedef struct {
     kelly_rare_estimate answer;
     kelly_tally tally;           /* of all realisations in the order of proposal: the digest */
     kelly_draw *draws;
+    journal log;
     double seconds;
 } search;
 
@@ -56,7 +59,8 @@ static void evaluate(search *s)
         kelly_rare_draw(&s->opts->run, &s->rare.samples[s->rare.first + i], &s->draws[i]);
     }
     run_job(&part, &(job){ .work = work_piece, .work_size = s->engine->work_size, .result_size = sizeof(kelly_result),
-                           .width = s->engine->width, .lanes = engine_lanes(s->engine, &s->opts->run) }, take_batch, s);
+                           .width = s->engine->width, .lanes = engine_lanes(s->engine, &s->opts->run), .log = &s->log,
+                           .inputs = s->draws, .input_size = sizeof(*s->draws), .more = 1 }, take_batch, s);
 }
 
 static double now(void)
@@ -94,11 +98,16 @@ static void run_search(search *s)
         die(EXIT_USAGE, "rare: %s", error);
     }
     kelly_rare_lead(&s->rare, kelly_rare_guess, &string);
+    if (team_rank() > 0) {       /* which levels there are is the first process's to know */
+        evaluate(s);
+        return;
+    }
     while (kelly_rare_count(&s->rare) > 0) {
         evaluate(s);
         show(s, start);
         kelly_rare_accept(&s->rare);
     }
+    team_dismiss();
     if (s->rare.state == KELLY_RARE_DONE) {
         kelly_rare_read(&s->rare, &s->answer);
     }
@@ -328,14 +337,15 @@ static const option_help own_options[] = {
 
 const command_help rare_help = {
     .brief = "small probabilities of stick-slip, down to 1e-8, by subset simulation",
-    .synopsis = "[case] [--cov D] [--limit S] [--samples-per-level N] [--seed S] [--json F]",
-    .takes = TAKES_CASE | TAKES_JSON,
+    .synopsis = "[case] [--cov D] [--limit S] [--samples-per-level N] [--seed S] [--json F] [--resume]",
+    .takes = TAKES_CASE | TAKES_JSON | TAKES_RESUME,
     .own = own_options,
     .notes = "Takes 2400 realisations and 2160 more for each power of ten. Where the first level already holds a tenth of\n"
              "failures the answer is plain Monte Carlo, with the realisations of montecarlo for the same seed.\n"
              "JSON: probability, ci95 (95 %, log-normal), cov (of the estimate), realisations, levels, acceptance of the moves of each\n"
              "level, refused, failures (where they lie in each parameter), digest.\n"
-             "Where the answer cannot be trusted there is none: exit 1, and `reason` says why.",
+             "Where the answer cannot be trusted there is none: exit 1, and `reason` says why.\n"
+             "F.json.journal beside the JSON holds what is done and goes when all is written.",
     .example = "kelly rare --mu 0.004 --rpm 200 --cov 0.1 --json rare.json",
 };
 
@@ -370,18 +380,24 @@ int command_rare(int argc, char **argv)
 {
     search *const s = &now_on;
     options opts;
+    const char *beside;
     outfile json;
     double *list;
 
     s->samples = DEFAULT_SAMPLES;
     check_foreign(argc, argv);
-    options_parse(&opts, argc, argv, TAKES_CASE | TAKES_ENSEMBLE | TAKES_JSON, "rare", own_option, s);
+    options_parse(&opts, argc, argv, TAKES_CASE | TAKES_ENSEMBLE | TAKES_JSON | TAKES_RESUME, "rare", own_option, s);
     s->opts = &opts;
     s->engine = engine_choose(opts.engine);
-    if (opts.json) {
+    beside = outcome_beside(&opts);
+    if (opts.json && team_rank() == 0) {
         outfile_open(&json, opts.json);
     }
+    job_log(&s->log, &opts, beside, "rare", sizeof(kelly_result), s->samples * (KELLY_RARE_LEVELS + 1), s->samples);
     run_search(s);
+    if (team_rank() > 0) {
+        return EXIT_DONE;
+    }
     list = calloc(s->samples, sizeof(*list));
     if (!list) {
         die(EXIT_FAILED, "out of memory");
@@ -390,6 +406,7 @@ int command_rare(int argc, char **argv)
         write_json(json.stream, s, list);
         outfile_close(&json);
     }
+    journal_remove(&s->log);
     if (!opts.quiet && !(opts.json && strcmp(opts.json, "-") == 0)) {
         print_outcome(s, list);
     }

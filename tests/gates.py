@@ -23,6 +23,7 @@ GATES = {
     "digests": ("test", 900, f"{PYTHON} tests/check_digests.py"),
     "nothing-lost": ("test", 600, f"{PYTHON} tests/check_nothing_lost.py"),
     "merge": ("test", 300, f"{PYTHON} tests/check_merge.py"),
+    "mpi": ("test", 600, f"{PYTHON} tests/check_mpi.py"),
     "figures": ("test", 600, f"{PYTHON} tests/check_figures.py"),
     "map": ("test", 600, f"{PYTHON} tests/check_map.py"),
     "drive": ("test", 300, f"{PYTHON} tests/check_drive.py"),
