@@ -88,7 +88,12 @@ machine := $(shell $(CC) -dumpmachine)
 
 # ---- the host program -------------------------------------------------------------------------------------------
 
-dir := build/host$(real_suffix)$(name_suffix)
+dir := build/$(if $(MPI),mpi,host)$(real_suffix)$(name_suffix)
+
+ifdef MPI
+host_only += -DKELLY_MPI $(patsubst -I%,-isystem %,$(shell mpicc --showme:compile))
+mpi_link := $(shell mpicc --showme:link)
+endif
 
 # Flags in a file of their own: another CC or CFLAGS rebuilds.
 all_flags = $(CC) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(required) $(real_flag) $(foreach e,$(engines),$($(e)_flags))
@@ -116,12 +121,12 @@ vector_flags := -DKELLY_VECTORS=4 -DKELLY_WIDTH=$(if $(real_flag),2,4)
 lane_files := integrator block drive drive_block ensemble
 
 library := $(kernel:%=$(dir)/%.o) $(foreach e,$(engines),$(lane_files:%=$(dir)/$(e)/%.o))
-host_objects := $(patsubst host/%.c,$(dir)/host/%.o,$(wildcard host/*.c))
+host_objects := $(patsubst host/%.c,$(dir)/host/%.o,$(filter-out $(if $(MPI),,host/mpi.c),$(wildcard host/*.c)))
 
 all: $(dir)/kelly                             ## build build/host/kelly (needs a C compiler and make)
 
 $(dir)/kelly: $(host_objects) $(library) $(table_objects)
-	$(Q)$(CC) $(CFLAGS) -pthread $(LDFLAGS) $(filter %.o,$^) -lm -o $@
+	$(Q)$(CC) $(CFLAGS) -pthread $(LDFLAGS) $(filter %.o,$^) $(mpi_link) -lm -o $@
 
 $(dir)/%.o: firmware/%.c $(dir)/flags
 	@mkdir -p $(@D); echo 'CC $<' >&2
@@ -219,6 +224,10 @@ figures: $(dir)/kelly                         ## Figures 1-8 of the paper and wh
 	@$$(for p in python3 /usr/bin/python3; do $$p -c 'import numpy, matplotlib' 2>/dev/null && echo $$p && break; done) host/figures.py \
 	 --kelly $(dir)/kelly --out build/figures$(real_suffix)$(name_suffix)
 
+mpi:                                          ## build/mpi/kelly, for mpirun -n R build/mpi/kelly montecarlo|map|rare ... (Open MPI; installs it)
+	@sh tests/install openmpi-bin libopenmpi-dev
+	@$(MAKE) MPI=1 all
+
 # The man page comes out of the program itself.
 install: $(dir)/kelly                         ## PREFIX=/usr/local DESTDIR=: the program, its man page, bash completion
 	install -d '$(DESTDIR)$(PREFIX)/bin' '$(DESTDIR)$(PREFIX)/share/man/man1' '$(DESTDIR)$(PREFIX)/share/bash-completion/completions'
@@ -304,4 +313,4 @@ clean:                                        ## remove build/
 help:                                         ## this list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
 
-.PHONY: FORCE all unit convergence run digest size bench readme test prove campaign study map drives figures tables install clean help dist
+.PHONY: FORCE all unit convergence run digest size bench readme test prove campaign study map drives figures tables install clean help dist mpi

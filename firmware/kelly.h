@@ -13,6 +13,7 @@
  *   ensemble.h       draw, integrate, classify a range of indices
  *   tally.h          counts, digest, interval
  *   sequence.h       an interval that holds at every n, and when to stop
+ *   rare.h           small probabilities by subset simulation
  *   envelope.h       mean, spread and quantiles of a stream of values, in fixed memory
  *   sobol.h          which parameter the answer depends on
  *   reweight.h       the probability under other laws, from realisations that have been run
@@ -37,6 +38,7 @@
 #include "integrator.h"
 #include "plant.h"
 #include "random.h"
+#include "rare.h"
 #include "realisation.h"
 #include "reweight.h"
 #include "sequence.h"

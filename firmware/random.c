@@ -120,19 +120,51 @@ static float log_remainder(float t)
 /* Marsaglia and Tsang: with d = 1 / cov^2 - 1 / 3, t = x / (3 sqrt(d)) and v = (1 + t)^3, d v is a gamma of unit scale
  * and shape 1 / cov^2. The exact test log(u) < x^2 / 2 + d (1 - v + log(v)) loses all digits in float for a small cov;
  * put x^2 = 9 d t^2 in, and what cancels cancels on paper: log(u) < 3 d (log(1 + t) - t + t^2 / 2 - t^3 / 3). */
-float kelly_gamma(kelly_rng *rng, float mean, float cov)
+typedef struct {
+    float d, c;
+} shape;
+
+static shape shape_of(float cov)
 {
-    const float cov2 = cov * cov;
-    const float d = 1.0f / cov2 - 0x1.555556p-2f;
-    const float c = 1.0f / (3.0f * kelly_sqrt32(d));
-    const float scale = mean * (1.0f - cov2 * 0x1.555556p-2f);    /* mean cov^2 d */
+    const float d = 1.0f / (cov * cov) - 0x1.555556p-2f;
+    return (shape){d, 1.0f / (3.0f * kelly_sqrt32(d))};
+}
+
+static float log_weight(const shape *law, float x)
+{
+    const float t = law->c * x;
+    return 1.0f + t > 0.0f ? 3.0f * law->d * log_remainder(t) : KELLY_NO_WEIGHT;
+}
+
+float kelly_gamma_log_weight(float x, float cov)
+{
+    const shape law = shape_of(cov);
+    return log_weight(&law, x);
+}
+
+float kelly_gamma_normal(kelly_rng *rng, float cov)
+{
+    const shape law = shape_of(cov);
+
     for (int i = 0; i < TRIES; i++) {
-        const float t = c * kelly_normal(rng);
-        const float log_u = kelly_log32(kelly_open01(kelly_rng_next(rng)));
-        const float base = 1.0f + t;
-        if (base > 0.0f && log_u < 3.0f * d * log_remainder(t)) {
-            return scale * (base * base * base);
+        const float x = kelly_normal(rng);
+
+        if (kelly_log32(kelly_open01(kelly_rng_next(rng))) < log_weight(&law, x)) {
+            return x;
         }
     }
-    return mean;
+    return 0.0f;
+}
+
+float kelly_gamma_value(float x, float mean, float cov)
+{
+    const shape law = shape_of(cov);
+    const float base = 1.0f + law.c * x;
+    const float scale = mean * (1.0f - cov * cov * 0x1.555556p-2f);    /* mean cov^2 d */
+    return scale * (base * base * base);
+}
+
+float kelly_gamma(kelly_rng *rng, float mean, float cov)
+{
+    return kelly_gamma_value(kelly_gamma_normal(rng, cov), mean, cov);
 }

@@ -38,4 +38,12 @@ float kelly_normal(kelly_rng *rng);
  * the spread is lost in the 24 digits of float. At most 64 tries, each accepted with probability above 0.95. */
 float kelly_gamma(kelly_rng *rng, float mean, float cov);
 
+/* The same gamma in steps, for a walk in x: it is value(x) where x has the density of a standard normal times exp(log_weight(x)),
+ * log_weight <= 0. kelly_gamma_normal draws that x; kelly_gamma is the value of it. The weight is KELLY_NO_WEIGHT where the
+ * value would not be positive. */
+#define KELLY_NO_WEIGHT (-1e30f)
+float kelly_gamma_normal(kelly_rng *rng, float cov);
+float kelly_gamma_value(float x, float mean, float cov);
+float kelly_gamma_log_weight(float x, float cov);
+
 #endif

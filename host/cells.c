@@ -83,6 +83,16 @@ void cell_unpack(cell *c, const uint8_t payload[CELL_PAYLOAD])
     kelly_interval(t, &c->lo, &c->hi);
 }
 
+void cells_recall(journal *log, cell *cells)
+{
+    uint8_t payload[CELL_PAYLOAD];
+    uint32_t index;
+
+    while (journal_next(log, &index, payload)) {
+        cell_unpack(&cells[index], payload);
+    }
+}
+
 /* The width is largest at P = 1/2, about 1.96 / sqrt n + 1 / n, which is `width` at n = 3.84 / width^2 + 2 / width; a little is added. */
 uint32_t samples_for_width(double width)
 {

@@ -129,14 +129,6 @@ static void parse(advice *a, int argc, char **argv)
 
 /* ---- journal --------------------------------------------------------------------------------------------------------- */
 
-static int take_record(void *context, uint32_t index, const uint8_t *payload)
-{
-    advice *const a = context;
-
-    cell_unpack(&a->known[index], payload);
-    return 1;
-}
-
 static void open_journal(advice *a)
 {
     const char *const beside = outcome_beside(&a->opts);
@@ -147,7 +139,8 @@ static void open_journal(advice *a)
     if (beside) {
         journal_open(&a->log, beside, &(journal_run){ .kind = "advise", .model = kelly_string.id, .seed = a->opts.seed,
                      .parameters = kelly_crc32c(0, (const uint8_t *)text, strlen(text)), .records = RECORDS, .payload = CELL_PAYLOAD },
-                     a->opts.resume, take_record, a);
+                     a->opts.resume);
+        cells_recall(&a->log, a->known);
         a->how.log = &a->log;
     }
 }

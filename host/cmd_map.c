@@ -128,14 +128,6 @@ static uint32_t parameters(const map_run *m)
     return kelly_crc32c(crc, (const uint8_t *)text, strlen(text));
 }
 
-static int take_record(void *context, uint32_t index, const uint8_t *payload)
-{
-    driller_map *const map = context;
-
-    cell_unpack(&map->cells[index], payload);
-    return 1;
-}
-
 static void open_journal(map_run *m)
 {
     const char *const outputs[3] = { m->opts.csv, m->opts.json, m->npy };
@@ -149,7 +141,8 @@ static void open_journal(map_run *m)
     }
     if (beside) {
         journal_open(&m->log, beside, &(journal_run){ .kind = "map", .model = kelly_string.id, .seed = m->opts.seed, .parameters = parameters(m),
-                     .records = m->map.records, .payload = CELL_PAYLOAD }, m->opts.resume, take_record, &m->map);
+                     .records = m->map.records, .payload = CELL_PAYLOAD }, m->opts.resume);
+        cells_recall(&m->log, m->map.cells);
         m->how.log = &m->log;
     } else if (m->opts.resume) {
         die(EXIT_USAGE, "--resume: there is no journal without an output file; give --csv, --json or --npy");

@@ -49,9 +49,10 @@ int command_montecarlo(int argc, char **argv)
         envelope_reserve(&out.envelope, &opts);
         outcome_open(&out, &opts, engine->name);
     }
+    job_log(&out.log, &opts, beside, "montecarlo", sizeof(kelly_result), opts.samples, 0);
     run_job(&opts, &(job){ .work = work_piece, .work_size = engine->work_size, .result_size = sizeof(kelly_result),
-                           .width = engine->width, .lanes = engine_lanes(engine, &opts.run), .log = beside ? &out.log : 0, .beside = beside,
-                           .kind = "montecarlo", .enough = out.until.rule.alpha > 0 ? &out.until.enough : 0 }, outcome_take, &out);
+                           .width = engine->width, .lanes = engine_lanes(engine, &opts.run), .log = &out.log,
+                           .enough = out.until.rule.alpha > 0 ? &out.until.enough : 0 }, outcome_take, &out);
     if (team_rank() == 0) {
         opts.samples = out.tally.samples;   /* of a run that stopped itself, all that follows is about these */
     }

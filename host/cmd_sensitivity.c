@@ -255,9 +255,10 @@ int command_sensitivity(int argc, char **argv)
     if (opts.json && team_rank() == 0) {
         outfile_open(&json, opts.json);
     }
+    job_log(&log, &opts, beside, "sensitivity", (2 + out.random) * sizeof(kelly_result), opts.samples, 0);
     run_job(&opts, &(job){ .work = work_rows, .work_size = draws_at() + (size_t)engine->width * KELLY_SOBOL_ROW * sizeof(kelly_draw),
                            .result_size = (2 + out.random) * sizeof(kelly_result), .width = engine->width, .lanes = engine->width,
-                           .log = beside ? &log : 0, .beside = beside, .kind = "sensitivity" }, take_batch, &out);
+                           .log = &log }, take_batch, &out);
     if (team_rank() > 0) {
         return EXIT_DONE;
     }

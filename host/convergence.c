@@ -135,8 +135,8 @@ void convergence_run(const options *opts, const char *beside, journal *log, conv
 
     snprintf(path, sizeof(path), "%s.convergence", beside ? beside : "");
     *table = (convergence_table){ 0 };
+    job_log(log, opts, beside ? path : 0, "convergence", sizeof(double), opts->samples, opts->out_ticks ^ (uint32_t)opts->run.axial << 24);
     run_job(opts, &(job){ .work = work_piece, .work_size = sizeof(scratch), .result_size = sizeof(double), .width = 1, .lanes = 4,
-                        .log = beside ? log : 0, .beside = path, .kind = "convergence",
-                        .also = opts->out_ticks ^ (uint32_t)opts->run.axial << 24 }, take_batch, &f);
+                        .log = log }, take_batch, &f);
     report(&f);
 }

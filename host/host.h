@@ -203,15 +203,21 @@ typedef struct {
     size_t result_size;           /* of one realisation [bytes] */
     unsigned width, lanes;        /* pieces are whole vectors of `width`, at most `lanes` realisations */
     const int *enough;            /* or 0: once the sink has set it, no further batch is begun; batches are short then */
-    struct journal *log;          /* or 0; opened here, removed by the caller when its files are in their places */
-    const char *beside, *kind;    /* where the journal lies, and whose it is: see journal.h */
-    uint32_t also;                /* what results depend on besides string, precision, case_identity, seed and index */
-    int lead_alone;               /* of several processes the first alone runs them: `work` leaves more behind than results */
+    struct journal *log;          /* of a job_log, or 0 */
+    void *inputs;                 /* what each realisation needs besides opts, one after another; in a follower of a team room for it; or 0 */
+    size_t input_size;            /* of one realisation [bytes] */
+    int more;                     /* more such jobs follow, until team_dismiss */
+    int lead_alone;               /* of several processes the first alone runs it: `work` leaves more behind than results */
 } job;
 
-/* Run all realisations of opts over its threads, and the other processes of a team, but those that the journal holds; results reach the
- * sink in index order, of the first process alone. Memory does not grow with samples. */
+/* Run all realisations of opts over its threads, and the other processes of a team, but those that the journal still holds; results reach
+ * the sink in index order, of the first process alone. Memory does not grow with samples. */
 void run_job(const options *opts, const job *what, batch_sink sink, void *context);
+
+/* A journal for the results of one or more jobs of opts, `size` bytes each, at most `records` of them in all, beside an output; where `beside`
+ * is 0, or another process leads, it stays closed. `also`: what results depend on besides string, precision, case, seed and index.
+ * Dies as journal_open does. The caller removes it once its files are in their places. */
+void job_log(struct journal *log, const options *opts, const char *beside, const char *kind, size_t size, uint32_t records, uint32_t also);
 
 /* --until-width and --until-decided: where to stop before all samples are run; see until.c. Start from zeros. */
 typedef struct {
@@ -244,10 +250,12 @@ int command_map(int argc, char **argv);
 int command_advise(int argc, char **argv);
 int command_sensitivity(int argc, char **argv);
 int command_whatif(int argc, char **argv);
+int command_rare(int argc, char **argv);
+int command_merge(int argc, char **argv);
 int command_bench(int argc, char **argv);
 int command_manual(int argc, char **argv);
 extern const command_help modes_help, simulate_help, montecarlo_help, map_help, advise_help, manual_help;
-extern const command_help sensitivity_help, whatif_help, bench_help;
+extern const command_help sensitivity_help, whatif_help, rare_help, merge_help, bench_help;
 
 /* The paper's convergence function over the realisations of opts: writes value[i] at checkpoint n[i]; see convergence.c. Its journal, where
  * there is an output for it to lie beside, is OUTPUT.convergence.journal; the caller removes it. */

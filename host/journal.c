@@ -151,33 +151,6 @@ static void compare(const journal *j, const uint8_t have[HEADER], const uint8_t 
     }
 }
 
-/* Hand over every sound record; returns where the first unsound one begins, or the end. A read error is no torn tail. */
-static off_t replay(const journal *j, const journal_run *run, journal_sink sink, void *context)
-{
-    const int copy = dup(j->fd);
-    FILE *const in = copy < 0 ? 0 : fdopen(copy, "rb");
-    const size_t size = run->payload + 8u;
-    uint8_t record[RECORD_MAX];
-    off_t end = HEADER;
-
-    if (!in || fseeko(in, HEADER, SEEK_SET) != 0) {
-        die(EXIT_FAILED, "%s: cannot be read: %s", j->path, strerror(errno));
-    }
-    while (fread(record, 1, size, in) == size) {
-        const uint32_t index = get_u32(record);
-
-        if (get_u32(record + size - 4) != kelly_crc32c(0, record, size - 4) || index >= run->records || !sink(context, index, record + 4)) {
-            break;
-        }
-        end += (off_t)size;
-    }
-    if (ferror(in)) {
-        die(EXIT_FAILED, "%s: cannot be read: %s", j->path, strerror(errno));
-    }
-    (void)fclose(in);
-    return end;
-}
-
 static void cut_to(const journal *j, off_t length)
 {
     if (ftruncate(j->fd, length) != 0) {
@@ -195,18 +168,15 @@ static off_t file_size(const journal *j)
     return here.st_size;
 }
 
-/* Take over what is there. */
-static void resume_from(const journal *j, const journal_run *run, const uint8_t have[HEADER], const uint8_t want[HEADER],
-                        journal_sink sink, void *context)
+/* Go over to what an earlier run has written. */
+static void resume_from(journal *j, const uint8_t have[HEADER], const uint8_t want[HEADER])
 {
-    const off_t size = file_size(j);
-    off_t end;
+    const int copy = dup(j->fd);
 
     compare(j, have, want);
-    end = replay(j, run, sink, context);
-    if (end < size) {
-        fprintf(stderr, "kelly: %s: dropped a torn tail of %lld bytes\n", j->path, (long long)(size - end));
-        cut_to(j, end);
+    j->earlier = copy < 0 ? 0 : fdopen(copy, "rb");
+    if (!j->earlier || fseeko(j->earlier, HEADER, SEEK_SET) != 0) {
+        die(EXIT_FAILED, "%s: cannot be read: %s", j->path, strerror(errno));
     }
 }
 
@@ -228,12 +198,12 @@ static void begin(const journal *j, const uint8_t *have, size_t length, const ui
     write_all(j, want, HEADER);
 }
 
-void journal_open(journal *j, const char *output, const journal_run *run, int resume, journal_sink sink, void *context)
+void journal_open(journal *j, const char *output, const journal_run *run, int resume)
 {
     uint8_t have[HEADER], want[HEADER];
     size_t length;
 
-    *j = (journal){ .payload = run->payload, .path = malloc(strlen(output) + sizeof(".journal")) };
+    *j = (journal){ .payload = run->payload, .records = run->records, .in_order = run->in_order, .path = malloc(strlen(output) + sizeof(".journal")) };
     if (!j->path) {
         die(EXIT_FAILED, "%s: out of memory", output);
     }
@@ -242,11 +212,46 @@ void journal_open(journal *j, const char *output, const journal_run *run, int re
     make_header(want, run);
     length = read_header(j, have);
     if (resume && length == HEADER) {
-        resume_from(j, run, have, want, sink, context);
+        resume_from(j, have, want);
     } else {
         begin(j, have, length, want, resume, get_u32(length == HEADER ? have + AT_PAYLOAD : want + AT_PAYLOAD));
     }
     sync_now(j);
+}
+
+/* Nothing sound is left: cut off what is there. A read error is no torn tail. */
+static void end_of_earlier(journal *j)
+{
+    const off_t size = file_size(j), end = HEADER + (off_t)j->next * (j->payload + 8);
+
+    if (ferror(j->earlier)) {
+        die(EXIT_FAILED, "%s: cannot be read: %s", j->path, strerror(errno));
+    }
+    fclose(j->earlier);
+    j->earlier = 0;
+    if (end < size) {
+        fprintf(stderr, "kelly: %s: dropped a torn tail of %lld bytes\n", j->path, (long long)(size - end));
+        cut_to(j, end);
+    }
+}
+
+int journal_next(journal *j, uint32_t *index, void *payload)
+{
+    const size_t size = j->payload + 8u;
+    uint8_t record[RECORD_MAX];
+
+    if (!j->earlier) {
+        return 0;
+    }
+    if (fread(record, 1, size, j->earlier) != size || get_u32(record + size - 4) != kelly_crc32c(0, record, size - 4) ||
+        get_u32(record) >= j->records || (j->in_order && get_u32(record) != j->next)) {
+        end_of_earlier(j);
+        return 0;
+    }
+    *index = get_u32(record);
+    memcpy(payload, record + 4, j->payload);
+    j->next++;
+    return 1;
 }
 
 void journal_append(journal *j, uint32_t first, uint32_t count, const void *payloads)
@@ -267,6 +272,7 @@ void journal_append(journal *j, uint32_t first, uint32_t count, const void *payl
         }
         write_all(j, records, used);
     }
+    j->next += count;
     if (now() - j->synced > SYNC_EVERY) {
         sync_now(j);
     }

@@ -12,6 +12,8 @@
 #ifndef KELLY_JOURNAL_H
 #define KELLY_JOURNAL_H
 
+#include <stdio.h>
+
 #include "../firmware/kelly.h"
 
 #define JOURNAL_PAYLOAD_MAX 640  /* bytes */
@@ -24,26 +26,31 @@ typedef struct {
     uint32_t parameters;         /* CRC-32C of everything else that the records depend on */
     uint32_t records;            /* indices are 0 .. records - 1 */
     uint32_t payload;            /* bytes of one record's payload, 1..JOURNAL_PAYLOAD_MAX */
+    int in_order;                /* indices come as 0, 1, 2, ...: another one is unsound */
 } journal_run;
 
-/* Fields are not to be touched. Zeros: not open. */
+/* Fields are not to be touched; `next` may be read. Zeros: not open. */
 typedef struct journal {
     int fd;
     char *path;
-    uint32_t payload;
+    FILE *earlier;               /* records of an earlier run that were not handed out yet, or 0 */
+    uint32_t payload, records;
+    int in_order;
+    uint32_t next;               /* records that were handed out or appended */
     double synced;               /* when, monotonic [s] */
 } journal;
-
-/* Is handed each sound record of an earlier run, in the order in which they were written; returns 0 for one that cannot be. */
-typedef int (*journal_sink)(void *context, uint32_t index, const uint8_t *payload);
 
 /* CRC-32C of a case and of the version: what realisations depend on besides string, precision, seed and index. */
 uint32_t case_identity(const kelly_case *run);
 
-/* Open `output`.journal, locked. With `resume`, hand what it holds to the sink; without, or where there is none, begin anew.
+/* Open `output`.journal, locked. With `resume`, journal_next hands out what it holds; without, or where there is none, it begins anew.
  * Dies with exit 2 for a journal of another run or a file that is no journal (which is left as it is), with exit 1
  * where another process writes it or the file cannot be read or written. Says on stderr what it drops. */
-void journal_open(journal *j, const char *output, const journal_run *run, int resume, journal_sink sink, void *context);
+void journal_open(journal *j, const char *output, const journal_run *run, int resume);
+
+/* The next sound record of an earlier run, in the order in which they were written; 0: there is none any more, what was behind is cut
+ * off, and records may be appended. */
+int journal_next(journal *j, uint32_t *index, void *payload);
 
 /* Append the records of indices first .. first + count - 1, payloads one behind the other, in few writes. Dies with exit 1 if that
  * cannot be done (what lies there stays good). Not for two threads at once. */

@@ -13,6 +13,8 @@ const subcommand commands[] = {
     { "advise", command_advise, &advise_help, 1 },
     { "sensitivity", command_sensitivity, &sensitivity_help, 1 },
     { "whatif", command_whatif, &whatif_help, 0 },
+    { "rare", command_rare, &rare_help, 1 },
+    { "merge", command_merge, &merge_help, 0 },
     { "bench", command_bench, &bench_help, 0 },
     { "manual", command_manual, &manual_help, 0 },
 };

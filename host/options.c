@@ -304,7 +304,10 @@ static int parse_one(options *out, times *when, int argc, char **argv, unsigned 
     }
     memcpy(name, argv[0], length);
     name[length] = '\0';
-    if (!equals && parse_flag(out, name, takes)) {
+    if (parse_flag(out, name, takes)) {
+        if (equals) {
+            die(EXIT_USAGE, "%s: takes no value; give %s", argv[0], name);
+        }
         return 1;
     }
     value = equals ? equals + 1 : argc > 1 ? argv[1] : "";

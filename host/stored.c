@@ -1,27 +1,64 @@
 /* stored.c - see stored.h. Nothing is guessed: a line or a key that is not as montecarlo writes it ends the reading. */
+#include <ctype.h>
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "outcome.h"
 #include "stored.h"
 
 #define HEADER OUTCOME_HEADER
 #define FIELDS 13
 #define NEAR 1e-6                /* of a draw, relative: nine digits of it, and of the means of its law, are on file */
 
-/* Keys of the JSON that must be there, and where their numbers go. */
-enum { RPM_, WOB, MU, ALPHA1, ALPHA2, LIMIT, COV_FC, COV_MU, COV_A1, COV_A2, COV_RPM, FIRST, SAMPLES, STUCK, REFUSED, SEED, MODEL, REAL_, KEYS };
+/* Keys of the JSON, and where their values go. Up to REAL_ they must be there for every use; ENGINE is the last that merge needs. */
+enum { RPM_, WOB, MU, ALPHA1, ALPHA2, LIMIT, COV_FC, COV_MU, COV_A1, COV_A2, COV_RPM, FIRST, SAMPLES, STUCK, REFUSED, SEED, MODEL, REAL_,
+       F0, DURATION, STEP, TORSIONAL, LIFTOFF, BY_STEP, BY_RANGE, BY_NONFINITE, STUCK_SSI, SECONDS, START, DRIVE, DIGEST, IDENTITY, ENGINE,
+       CSV_CRC, STOPPED, KEYS };
 static const char *const keys[KEYS] = { "case.rpm", "case.wob_kN", "case.mu", "case.alpha1", "case.alpha2", "case.limit", "case.cov.fc", "case.cov.mu",
-                                        "case.cov.a1", "case.cov.a2", "case.cov.rpm", "first", "samples", "stuck", "refused", "seed", "model", "real" };
+                                        "case.cov.a1", "case.cov.a2", "case.cov.rpm", "first", "samples", "stuck", "refused", "seed", "model", "real",
+                                        "case.f0_kN", "case.duration_s", "case.step_s", "case.torsional", "liftoff", "refused_by.step",
+                                        "refused_by.range", "refused_by.nonfinite", "ssi.stuck", "seconds", "case.start", "case.drive", "digest",
+                                        "identity", "engine", "csv_crc32c", "sequence.stopped" };
 
 typedef struct {
     const char *path;
     double number[KEYS];
-    char text[KEYS][64];
+    char text[KEYS][DRIVE_TEXT];
     int seen[KEYS];
+    double window[2];
+    unsigned windows;            /* numbers in it */
+    stored_part *part;           /* or 0 */
+    int index_taken;             /* of the pair of refused_first that is being read */
 } found;
+
+/* A line more of the case, for who compares two of them. */
+static void note_case(stored_part *part, const char *name, const char *value)
+{
+    const size_t used = strlen(part->case_text);
+
+    snprintf(part->case_text + used, sizeof(part->case_text) - used, "%s %s\n", name, value);
+}
+
+/* The pairs of refused_first: an index, then its status. */
+static void take_refused(found *f, const char *value)
+{
+    stored_part *const part = f->part;
+    const uint32_t at = part->refused_listed;
+
+    if (at == LISTED) {
+        return;
+    }
+    if (!f->index_taken) {
+        part->refused_index[at] = (uint32_t)strtoul(value, 0, 10);
+    } else {
+        for (uint8_t k = 0; k < KELLY_STATUSES; k++) {
+            part->refused_why[at] = strcmp(value, status_names[k]) == 0 ? k : part->refused_why[at];
+        }
+        part->refused_listed++;
+    }
+    f->index_taken = !f->index_taken;
+}
 
 static void take_key(void *context, const char *path, const char *value)
 {
@@ -37,6 +74,15 @@ static void take_key(void *context, const char *path, const char *value)
             f->seen[k] = 1;
         }
     }
+    if (strcmp(path, "case.window_s") == 0 && f->windows < 2) {
+        f->window[f->windows++] = strtod(value, 0);
+    }
+    if (f->part && strncmp(path, "case.", 5) == 0) {
+        note_case(f->part, path + 5, value);
+    }
+    if (f->part && strcmp(path, "refused_first") == 0) {
+        take_refused(f, value);
+    }
 }
 
 static char *read_all(const char *path)
@@ -44,9 +90,13 @@ static char *read_all(const char *path)
     FILE *const from = fopen(path, "r");
     char *text = 0;
     size_t room = 0;
+    const ssize_t n = from ? getdelim(&text, &room, '\0', from) : 0;
 
-    if (!from || (getdelim(&text, &room, '\0', from) < 0 && ferror(from))) {
+    if (!from || (n < 0 && ferror(from))) {
         die(EXIT_FAILED, "%s: cannot be read: %s", path, strerror(errno));
+    }
+    if (n > 0 && strlen(text) < (size_t)n) {
+        die(EXIT_USAGE, "%s: no JSON from character %ld on; give the JSON that the same run of montecarlo wrote", path, (long)n);
     }
     (void)fclose(from);
     return text ? text : strdup("");
@@ -60,34 +110,102 @@ static double number_in(const found *f, unsigned k, double lo, double hi)
     return f->number[k];
 }
 
+static uint32_t whole_in(const found *f, unsigned k)
+{
+    const double x = number_in(f, k, 0, UINT32_MAX);
+
+    if (x != floor(x)) {
+        die(EXIT_USAGE, "%s: \"%s\" is no whole number; give the JSON that the same run of montecarlo wrote", f->path, keys[k]);
+    }
+    return (uint32_t)x;
+}
+
+static uint32_t crc_in(const found *f, unsigned k)
+{
+    char *end;
+    const unsigned long x = strtoul(f->text[k], &end, 16);
+
+    if (strlen(f->text[k]) != 8 || *end != '\0' || !isxdigit((unsigned char)f->text[k][0])) {
+        die(EXIT_USAGE, "%s: \"%s\" is no CRC of 8 hexadecimal digits; give the JSON that the same run of montecarlo wrote", f->path, keys[k]);
+    }
+    return (uint32_t)x;
+}
+
+static void open_run(stored_run *run, found *f)
+{
+    char *const text = read_all(f->path);
+    const long wrong = json_walk(text, take_key, f);
+
+    if (wrong >= 0) {
+        die(EXIT_USAGE, "%s: no JSON from character %ld on; give the JSON that the same run of montecarlo wrote", f->path, wrong + 1);
+    }
+    *run = (stored_run){ .path = strdup(f->path) };
+    run->run.w0 = (real)(number_in(f, RPM_, 1e-3, 1e4) * RPM);
+    run->run.fc = (real)(number_in(f, WOB, 1e-3, 1e6) * 1000.0);
+    run->run.mu = (real)number_in(f, MU, 1e-9, 1e3);
+    run->run.a1 = (real)number_in(f, ALPHA1, 1e-9, 1e6);
+    run->run.a2 = (real)number_in(f, ALPHA2, 1e-9, 1e6);
+    run->run.limit = (real)number_in(f, LIMIT, 0, 10);
+    for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
+        run->run.cov[k] = (float)number_in(f, COV_FC + k, 0, 0.5);
+    }
+    run->first = whole_in(f, FIRST);
+    (void)number_in(f, SAMPLES, 1, UINT32_MAX);
+    run->samples = whole_in(f, SAMPLES);
+    run->stuck = whole_in(f, STUCK);
+    run->refused = whole_in(f, REFUSED);
+    (void)number_in(f, SEED, 0, 1.9e19);
+    run->seed = strtoull(f->text[SEED], 0, 10);
+    run->in_double = strcmp(f->text[REAL_], "double") == 0;
+    snprintf(run->model, sizeof(run->model), "%.63s", f->text[MODEL]);
+    free(text);
+}
+
 void stored_open_run(stored_run *run, const char *path)
 {
     found f = { .path = path };
-    char *const text = read_all(path);
-    const long wrong = json_walk(text, take_key, &f);
 
-    if (wrong >= 0) {
-        die(EXIT_USAGE, "%s: no JSON from character %ld on; give the JSON that the same run of montecarlo wrote", path, wrong + 1);
+    open_run(run, &f);
+}
+
+/* What a report tells of the case beside the laws: its numbers print again as they were printed. */
+static void open_case(kelly_case *run, const found *f)
+{
+    run->f0 = (real)(number_in(f, F0, 0, 1e6) * 1000.0);
+    run->torsional = (uint8_t)number_in(f, TORSIONAL, 1, KELLY_MODES_MAX);
+    run->rotating = strcmp(f->text[START], "rotating") == 0;
+    run->step_ns = (uint32_t)nearbyint(number_in(f, STEP, 1e-6, 1) * 1e9);
+    run->ticks = (uint32_t)nearbyint(number_in(f, DURATION, 1e-6, 1e9) * 1e9 / run->step_ns);
+    run->window_first = (uint32_t)nearbyint(f->window[0] * 1e9 / run->step_ns);
+    run->window_last = (uint32_t)nearbyint(f->window[1] * 1e9 / run->step_ns);
+    option_drive(&run->drive, f->text[DRIVE]);
+}
+
+void stored_open_part(stored_part *part, const char *path)
+{
+    found f = { .path = path, .part = part };
+
+    *part = (stored_part){ 0 };
+    open_run(&part->of, &f);
+    for (unsigned k = F0; k <= ENGINE; k++) {
+        if (!f.seen[k] || f.windows != 2) {
+            die(EXIT_USAGE, "%s: no \"%s\"; give the JSON that this version of montecarlo wrote", path, f.seen[k] ? "case.window_s" : keys[k]);
+        }
     }
-    *run = (stored_run){ .path = strdup(path) };
-    run->run.w0 = (real)(number_in(&f, RPM_, 1e-3, 1e4) * RPM);
-    run->run.fc = (real)(number_in(&f, WOB, 1e-3, 1e6) * 1000.0);
-    run->run.mu = (real)number_in(&f, MU, 1e-9, 1e3);
-    run->run.a1 = (real)number_in(&f, ALPHA1, 1e-9, 1e6);
-    run->run.a2 = (real)number_in(&f, ALPHA2, 1e-9, 1e6);
-    run->run.limit = (real)number_in(&f, LIMIT, 0, 10);
-    for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
-        run->run.cov[k] = (float)number_in(&f, COV_FC + k, 0, 0.5);
+    if (f.seen[STOPPED]) {
+        die(EXIT_USAGE, "%s: a run that stopped itself (--until-...) is no part of one with a given number; run it with --samples alone", path);
     }
-    run->first = (uint32_t)number_in(&f, FIRST, 0, UINT32_MAX);
-    run->samples = (uint32_t)number_in(&f, SAMPLES, 1, UINT32_MAX);
-    run->stuck = (uint32_t)number_in(&f, STUCK, 0, UINT32_MAX);
-    run->refused = (uint32_t)number_in(&f, REFUSED, 0, UINT32_MAX);
-    (void)number_in(&f, SEED, 0, 1.9e19);
-    run->seed = strtoull(f.text[SEED], 0, 10);
-    run->in_double = strcmp(f.text[REAL_], "double") == 0;
-    strcpy(run->model, f.text[MODEL]);
-    free(text);
+    open_case(&part->of.run, &f);
+    part->tally = (kelly_tally){ .samples = part->of.samples, .stuck = part->of.stuck, .liftoff = whole_in(&f, LIFTOFF), .digest = crc_in(&f, DIGEST) };
+    for (unsigned k = 0; k < 3; k++) {
+        part->tally.status[KELLY_STEP + k] = whole_in(&f, BY_STEP + k);
+    }
+    part->stuck_ssi = whole_in(&f, STUCK_SSI);
+    part->identity = crc_in(&f, IDENTITY);
+    part->has_csv = f.seen[CSV_CRC];
+    part->csv_crc = part->has_csv ? crc_in(&f, CSV_CRC) : 0;
+    part->seconds = number_in(&f, SECONDS, 0, 1e12);
+    snprintf(part->engine, sizeof(part->engine), "%.31s", f.text[ENGINE]);
 }
 
 static _Noreturn void bad_line(const stored_rows *rows, const char *what, const char *right)

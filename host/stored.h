@@ -2,17 +2,31 @@
 #ifndef KELLY_STORED_H
 #define KELLY_STORED_H
 
-#include "host.h"
+#include "outcome.h"
 
 /* What the JSON says of the run. */
 typedef struct {
     char *path;
-    kelly_case run;               /* means, spreads, limit; nothing else of it is set */
+    kelly_case run;               /* means, spreads, limit; the rest of it only after stored_open_part */
     uint64_t seed;
     uint32_t first, samples, stuck, refused;
     int in_double;
     char model[64];
 } stored_run;
+
+/* All that it says, for a run that is to be put together with others. */
+typedef struct {
+    stored_run of;
+    kelly_tally tally;
+    uint32_t stuck_ssi, identity, csv_crc;
+    int has_csv;                  /* csv_crc is there */
+    double seconds;
+    char engine[32];
+    char case_text[1024];         /* "name value" of every scalar of "case", a line each */
+    uint32_t refused_index[LISTED];
+    uint8_t refused_why[LISTED];
+    uint32_t refused_listed;
+} stored_part;
 
 /* A line of the CSV. */
 typedef struct {
@@ -38,6 +52,9 @@ long json_walk(const char *text, json_visit visit, void *context);
 
 /* The JSON of a run; dies with exit 1 where it cannot be read, with exit 2 where it is not that of montecarlo. */
 void stored_open_run(stored_run *run, const char *path);
+
+/* The same with all of it, dying where any is missing, or where the run stopped itself. */
+void stored_open_part(stored_part *part, const char *path);
 
 /* The CSV; dies like that, with the line. stored_next: 0 after the last line. */
 void stored_open_rows(stored_rows *rows, const char *path);

@@ -5,7 +5,7 @@
  * the last piece leaves the others idle. Results lie at their index: no order of execution can show.
  *
  * The journal of a run holds its results in the order of the indices: a piece is appended when it and all before it are done. So what
- * it holds is always the beginning of the run, and to go on is to hand that to the sink and to run the rest.
+ * it holds is always the beginning of the run, and to go on is to hand that to the sink and to run the rest. They lie there as in memory.
  */
 #include <pthread.h>
 #include <stdatomic.h>
@@ -102,10 +102,10 @@ static void bring_piece(batch *b, const errand *e)
     pthread_mutex_lock(&b->lock);
     b->done += e->count;
     b->finished[e->number] = 1;
-    while (b->what->log && b->kept < b->pieces && b->finished[b->kept]) {
+    while (b->what->log && b->what->log->path && b->kept < b->pieces && b->finished[b->kept]) {
         const uint32_t from = piece_start(b, b->kept), to = piece_start(b, ++b->kept);
 
-        journal_append(b->what->log, b->first - b->opts->first + from, to - from, b->results + from * b->what->result_size);
+        journal_append(b->what->log, b->what->log->next, to - from, b->results + from * b->what->result_size);
     }
     pthread_mutex_unlock(&b->lock);
 }
@@ -171,7 +171,16 @@ static void watch_batch(batch *b)
 
 static int give_piece(void *context, errand *e)
 {
-    return take_piece(context, e);
+    const batch *const b = context;
+
+    if (!take_piece(context, e)) {
+        return 0;
+    }
+    if (b->what->inputs) {
+        e->input = (const char *)b->what->inputs + (e->first - b->opts->first) * b->what->input_size;
+        e->input_size = e->count * b->what->input_size;
+    }
+    return 1;
 }
 
 static void take_back(void *context, const errand *e)
@@ -253,43 +262,31 @@ static void lead(const options *opts, const job *what, uint32_t done, batch_sink
     free(ids);
 }
 
-/* ---- what an earlier run has done ------------------------------------------------------------------------------- */
+/* ---- journal ------------------------------------------------------------------------------------------------------ */
 
-typedef struct {
-    const options *opts;
-    size_t size;
-    batch_sink sink;
-    void *context;
-    uint32_t done;
-} replay;
-
-/* Sound only where it goes on without a gap, as it was written. */
-static int take_record(void *context, uint32_t index, const uint8_t *payload)
+void job_log(journal *log, const options *opts, const char *beside, const char *kind, size_t size, uint32_t records, uint32_t also)
 {
-    replay *const r = context;
-    _Alignas(16) uint8_t result[JOURNAL_PAYLOAD_MAX];
+    const uint32_t run[3] = { case_identity(&opts->run), opts->first, also };
+    const real sample = R(1.0) / R(3.0);   /* another byte order is another run */
+    const uint32_t parameters = kelly_crc32c(kelly_crc32c(0, (const uint8_t *)run, sizeof(run)), (const uint8_t *)&sample, sizeof(sample));
 
-    if (index != r->done) {
-        return 0;
+    if (beside && team_rank() == 0) {
+        journal_open(log, beside, &(journal_run){ .kind = kind, .model = kelly_string.id, .seed = opts->seed, .parameters = parameters,
+                     .records = records, .payload = (uint32_t)size, .in_order = 1 }, opts->resume);
     }
-    memcpy(result, payload, r->size);
-    r->sink(r->context, r->opts->first + index, 1, result);
-    r->done++;
-    return 1;
 }
 
-/* Open the journal of the job and take over what it holds; how many realisations that is. */
+/* Hand on what an earlier run has done; how many realisations that is. */
 static uint32_t recall(const options *opts, const job *what, batch_sink sink, void *context)
 {
-    const real sample = R(1.0) / R(3.0);   /* results lie in the journal as in memory: another byte order is another run */
-    const uint32_t run[3] = { case_identity(&opts->run), opts->first, what->also };
-    replay r = { opts, what->result_size, sink, context, 0 };
-    uint32_t parameters = kelly_crc32c(0, (const uint8_t *)&sample, sizeof(sample));
+    _Alignas(16) uint8_t result[JOURNAL_PAYLOAD_MAX];
+    uint32_t done = 0, index;
 
-    parameters = kelly_crc32c(parameters, (const uint8_t *)run, sizeof(run));
-    journal_open(what->log, what->beside, &(journal_run){ .kind = what->kind, .model = kelly_string.id, .seed = opts->seed, .parameters = parameters,
-                 .records = opts->samples, .payload = (uint32_t)what->result_size }, opts->resume, take_record, &r);
-    return r.done;
+    while (what->log && done < opts->samples && journal_next(what->log, &index, result)) {
+        sink(context, opts->first + done, 1, result);
+        done++;
+    }
+    return done;
 }
 
 /* ---- a process that is not the first ----------------------------------------------------------------------------- */
@@ -303,8 +300,12 @@ typedef struct {
 static void run_errand(void *context, const errand *e)
 {
     const follower *const f = context;
+    const job *const what = f->what;
 
-    f->what->work(f->opts, e->first, e->count, e->results, f->work);
+    if (e->input) {
+        memcpy((char *)what->inputs + (e->first - f->opts->first) * what->input_size, e->input, e->input_size);
+    }
+    what->work(f->opts, e->first, e->count, e->results, f->work);
 }
 
 static void follow(const options *opts, const job *what)
@@ -323,12 +324,12 @@ void run_job(const options *opts, const job *what, batch_sink sink, void *contex
     if (team_rank() > 0 && !what->lead_alone) {
         follow(opts, what);
     } else if (team_rank() == 0) {
-        const uint32_t done = what->log ? recall(opts, what, sink, context) : 0;
+        const uint32_t done = recall(opts, what, sink, context);
 
         if (done < opts->samples) {
             lead(opts, what, done, sink, context);
         }
-        if (!what->lead_alone) {
+        if (!what->lead_alone && !what->more) {
             team_dismiss();
         }
     }

@@ -1,0 +1,148 @@
+/* rare.h - small probabilities of stick-slip by subset simulation (Au and Beck 2001), in the caller's memory.
+ *
+ * The rare event is reached over a chain of events of which each has p = 0.1 given the one before: P = p_0 p_1 ... p_m.
+ * A level holds n samples. The tenth of them with the largest guide start Markov chains of ten states within the next event.
+ *
+ *     guide   g = R^4 ss,  and KELLY_RARE_FAILED where ss > limit, which alone is the event
+ *             R = b_1^2 T'(w0) / (alpha + beta w_1^2), at least 1e-6: the negative damping by the rock over the damping of the first mode
+ *             T' = mu fc [ a1 (a2 w^2 - 1) / (1 + a2 w^2)^2 - sech^2 w ], the slope of -T of eq. (B)
+ *
+ * ss alone traps the chains where f_a meets a torsional mode, w0 = w_i: there it rises and leads nowhere. R leads past.
+ *
+ *     walk    in the x of kelly_gamma_value, one x a random parameter. A straight move (conditional sampling) is
+ *             x' = sqrt(1 - s^2) x + s u, u normal, which keeps the normal law whatever s, and with probability
+ *             exp(log_weight(x') - log_weight(x)) the gamma law. One step s for all, moved after each quarter of the chains
+ *             towards an acceptance of 0.35.
+ *     hint    R^4 times the ss of the linear string: what f_a keeps up at w0, and what is left of the start. It costs no realisation,
+ *             and is within a tenth or two of g while the motion is small. Two moves in three are led by it: a chain of 8 steps
+ *             over the laws within hint > level, softened, proposes; a realisation decides. It goes far and is accepted about every
+ *             second time, where straight moves creep. It cannot make an answer wrong, only slow: the moves keep the law of
+ *             the event whatever the hint is, and one by which fewer than a fifth are accepted leads no more.
+ *
+ * A first level with n / 10 failures is plain Monte Carlo, and read as such: its draws are those of kelly_run for the same seed.
+ *
+ * The caller evaluates: kelly_rare_start; then, while kelly_rare_count(rare) > 0, set the guide of each sample
+ * rare->samples[rare->first ..], kelly_rare_count of them, in any order, and call kelly_rare_accept; then kelly_rare_read.
+ *
+ * Random  stream (seed, level, chain, step): the same samples on every machine, at any number of lanes or threads.
+ * Memory  sizeof(kelly_rare) + 32 n bytes, the caller's.
+ * Cost    n + 0.9 n a level beyond the first realisations, some 20 n log n operations a level, 8 hints a led move.
+ */
+#ifndef KELLY_RARE_H
+#define KELLY_RARE_H
+
+#include "random.h"
+#include "tally.h"
+
+#define KELLY_RARE_STATES 10u           /* of a chain, its seed included: 1 / p */
+#define KELLY_RARE_LEVELS 12u           /* at most; p^12 */
+#define KELLY_RARE_LEAST W(1e-9)        /* smallest P that is reported */
+#define KELLY_RARE_DISTINCT 50u         /* fewest different failures in the last level */
+#define KELLY_RARE_MIN 200u             /* samples a level: a multiple of 40 in MIN..MAX */
+#define KELLY_RARE_MAX 1000000u
+
+#define KELLY_RARE_FAILED 0x1.fffffep127f
+#define KELLY_RARE_REFUSED (-1.0f)
+
+typedef struct {
+    float x[KELLY_PARAMETERS];          /* 0 where the parameter is not random */
+    float guide;                        /* >= 0, KELLY_RARE_FAILED, or KELLY_RARE_REFUSED: this draw cannot be run */
+    uint32_t id;                        /* realisation that it came from, in the order of proposal: copies share it */
+} kelly_rare_sample;
+
+typedef enum {
+    KELLY_RARE_RUNNING,
+    KELLY_RARE_DONE,                    /* kelly_rare_read has the answer; below: why there is none */
+    KELLY_RARE_NO_FAILURE,              /* not one, down to KELLY_RARE_LEAST */
+    KELLY_RARE_TOO_RARE,                /* P < KELLY_RARE_LEAST */
+    KELLY_RARE_FEW,                     /* under KELLY_RARE_DISTINCT different failures */
+    KELLY_RARE_STILL,                   /* a level accepted under a tenth of its moves: the chains hardly move */
+    KELLY_RARE_DEEP,                    /* more than KELLY_RARE_LEVELS levels */
+    KELLY_RARE_UNKNOWN                  /* draws were refused, in a place that failures may share: no rejected move */
+} kelly_rare_state;
+
+#define KELLY_RARE_OUTCOMES 8
+
+typedef struct {
+    float guide;                        /* of the next event; KELLY_RARE_FAILED in the last level */
+    float step;                         /* of the walk, at the end of the level */
+    uint32_t failed, refused;           /* of its samples; of its realisations */
+    uint32_t proposed, accepted;        /* moves; 0 in the first level */
+    uint32_t led, led_accepted;         /* those of them that the hint led */
+    uint32_t inside;                    /* samples in the next event, p = inside / n */
+    wide variance;                      /* squared coefficient of variation of p, eq. 27 and 29 of Au and Beck */
+} kelly_rare_level;
+
+/* Logarithm of a cheap guess of the guide at x, from any scale; far below all others where x cannot be run. */
+typedef float (*kelly_rare_hint)(const void *of, const float x[KELLY_PARAMETERS]);
+
+/* Not to be written, except the guides. */
+typedef struct {
+    float cov[KELLY_PARAMETERS];
+    uint64_t seed;
+    uint32_t n, chains;                 /* samples a level, n / KELLY_RARE_STATES */
+    kelly_rare_sample *samples;         /* [n]; state s of chain c at s * chains + c */
+    uint32_t *keys;                     /* [n] scratch */
+    kelly_rare_state state;
+    uint32_t level, quarter, at;        /* at: state of the chains that is proposed */
+    uint32_t first, count;              /* samples to be evaluated */
+    uint32_t realisations;
+    uint32_t straight, straight_accepted;   /* moves of the present quarter */
+    float step;                         /* of straight moves */
+    kelly_rare_hint hint;
+    const void *of;
+    int leads;                          /* the hint is used */
+    float hint_level;                   /* of the present event, as the hint sees it */
+    float guide;                        /* of the present event */
+    uint32_t distinct;                  /* different failures in the last level */
+    kelly_rare_level levels[KELLY_RARE_LEVELS];
+} kelly_rare;
+
+typedef struct {
+    wide probability;
+    wide lo, hi;                        /* 95 %: log-normal, or Clopper and Pearson where `plain` */
+    wide cov;                           /* coefficient of variation of the estimate */
+    int plain;                          /* the first level was enough */
+} kelly_rare_estimate;
+
+/* Begin with n samples a level; samples[n] and keys[n] stay in use. 0, or what is wrong: n, or that nothing is random. */
+const char *kelly_rare_start(kelly_rare *rare, const float cov[KELLY_PARAMETERS], uint64_t seed, uint32_t n,
+                             kelly_rare_sample *samples, uint32_t *keys);
+
+/* Let `hint` of `of` lead the moves; both stay in use. Right after kelly_rare_start, or never: then all moves are straight. */
+void kelly_rare_lead(kelly_rare *rare, kelly_rare_hint hint, const void *of);
+
+/* Samples that wait for their guide, from rare->first on; 0 at the end, and rare->state says which. */
+uint32_t kelly_rare_count(const kelly_rare *rare);
+
+/* All of them have it: accept or reject the moves, and propose what comes next. */
+void kelly_rare_accept(kelly_rare *rare);
+
+/* The answer of a run that is KELLY_RARE_DONE. */
+void kelly_rare_read(const kelly_rare *rare, kelly_rare_estimate *out);
+
+/* For rare.c: level of the hint that stands for the present event, from the seeds, the first `chains` samples. */
+void kelly_rare_aim(kelly_rare *rare);
+
+/* For rare.c: the next state of a chain, straight or led; 0 where it stays. */
+int kelly_rare_move(const kelly_rare *rare, kelly_rng *rng, int led, const float old[KELLY_PARAMETERS], float next[KELLY_PARAMETERS]);
+
+/* Whether a sample of a run that is over is one of its failures. */
+int kelly_rare_failed(const kelly_rare_sample *sample);
+
+/* One line, without a full stop, of what a state means. */
+const char *kelly_rare_reason(kelly_rare_state state);
+
+/* Parameters of a sample, and its guide once they have been run. */
+void kelly_rare_draw(const kelly_case *run, const kelly_rare_sample *sample, kelly_draw *draw);
+float kelly_rare_guide(const kelly_table *table, const kelly_case *run, const kelly_result *result);
+
+/* The hint for that guide: `string` is a kelly_rare_string. Some 40 operations a mode. */
+typedef struct {
+    const kelly_table *table;
+    const kelly_case *run;
+} kelly_rare_string;
+
+float kelly_rare_guess(const void *string, const float x[KELLY_PARAMETERS]);
+
+#endif

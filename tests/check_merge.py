@@ -1,0 +1,177 @@
+#!/usr/bin/env python3
+"""check_merge - parts of an ensemble, however cut, make the files of one run; what does not fit is named and refused.
+
+usage: tests/check_merge.py [--float build/host/kelly] [--double build/host-double/kelly] [NAME...]
+
+Each claim that fails is one line; the last line is `N passed, N failed`. NAME picks single checks.
+"""
+import argparse
+import json
+import os
+import random
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+PROGRAM = {}
+count = {True: 0, False: 0}
+# short, with realisations of every kind: stuck and free, lifted off, refused for the step and for the range
+CASE = "--mu 0.02 --wob 500 --f0 300 --cov 0.45 --duration 4 --window 2:4 --torsional 5"
+
+
+def claim(holds, what):
+    count[bool(holds)] += 1
+    if not holds:
+        print(f"FAIL {what}", flush=True)
+    return bool(holds)
+
+
+def kelly(args, folder, real="float"):
+    return subprocess.run([PROGRAM[real]] + shlex.split(args), capture_output=True, text=True, check=False, timeout=120, cwd=folder)
+
+
+def done(args, folder, real="float"):
+    run = kelly(args, folder, real)
+    claim(run.returncode == 0 and run.stderr == "", f"{args}: exit {run.returncode}, {run.stderr!r}")
+    return run.stdout
+
+
+def refused(args, folder, *words, real="float", status=2):
+    before = sorted(os.listdir(folder))
+    run = kelly(args, folder, real)
+    claim(run.returncode == status and run.stderr.startswith("kelly: ") and run.stderr.count("\n") == 1 and run.stdout == ""
+          and all(w in run.stderr for w in words), f"{args}: exit {run.returncode}, {run.stderr!r}, wanted {words}")
+    claim(sorted(os.listdir(folder)) == before, f"{args}: leaves {set(os.listdir(folder)) - set(before)}")
+
+
+def read(folder, name):
+    with open(os.path.join(folder, name), "rb") as file:
+        return re.sub(rb'"seconds": [0-9.]+', b'"seconds": -', file.read())
+
+
+def part(folder, name, first, samples, more="", real="float", case=CASE):
+    done(f"montecarlo {case} --first {first} --samples {samples} --csv {name}.csv --json {name}.json --quiet {more}", folder, real)
+
+
+def check_cut(folder):
+    """Cut anywhere, merged in any order, and merged again."""
+    draws = random.Random(7)
+    for real in (r for r in ("float", "double") if r in PROGRAM):
+        part(folder, "one", 11, 400, real=real)
+        want = read(folder, "one.csv"), read(folder, "one.json")
+        report = json.loads(want[1].replace(b": -", b": 0"))
+        claim(0 < report["stuck"] < 400 and report["liftoff"] > 0 and report["refused_by"]["step"] > 0 and report["refused_by"]["range"] > 0,
+              f"the case has all kinds: {report['stuck']}, {report['liftoff']}, {report['refused_by']}")
+        for parts in (1, 2, 3, 7):
+            ends = [0] + sorted(draws.sample(range(1, 400), parts - 1)) + [400]
+            for k in range(parts):
+                part(folder, f"p{k}", 11 + ends[k], ends[k + 1] - ends[k], f"--threads {1 + k % 3}", real)
+            names = [f"p{k}.csv" for k in range(parts)]
+            draws.shuffle(names)
+            done(f"merge {' '.join(names)} --csv all.csv --json all.json --quiet", folder, real)
+            claim((read(folder, "all.csv"), read(folder, "all.json")) == want, f"{real}: {parts} parts cut at {ends}")
+            said = done(f"merge {' '.join(n.replace('csv', 'json') for n in names)}", folder, real)
+            claim(f"digest {report['digest']}" in said and "seed 1, first 11" in said, f"reports alone: {said!r}")
+        part(folder, "p0", 11, 100, real=real)
+        part(folder, "p1", 111, 100, real=real)
+        part(folder, "p2", 211, 200, real=real)
+        done("merge p0.csv p1.csv --csv left.csv --json left.json --quiet", folder, real)
+        done("merge left.csv p2.csv --csv=all.csv --json=all.json --quiet", folder, real)
+        claim((read(folder, "all.csv"), read(folder, "all.json")) == want, f"{real}: merged twice")
+        claim(done("merge p2.csv p0.csv p1.csv --csv -", folder, real).encode() == want[0], f"{real}: to stdout")
+
+
+def check_misfits(folder):
+    """Gaps, overlaps, foreign runs, changed and missing files."""
+    part(folder, "a", 0, 50)
+    part(folder, "b", 50, 30)
+    part(folder, "c", 80, 20)
+    refused("merge a.csv c.csv --csv x.csv", folder, "gap", "a.csv", "c.csv", "50..79")
+    refused("merge a.csv b.csv a.csv", folder, "overlap", "0..49")
+    part(folder, "over", 40, 30)
+    refused("merge over.csv a.csv --json x.json", folder, "overlap", "a.csv and over.csv", "40..49")
+    part(folder, "in", 10, 5)
+    refused("merge in.csv a.csv", folder, "overlap", "10..14")
+    for more, words in (("--seed 2", ("seed 2", "1")), ("--mu 0.021", ("mu 0.0209", "0.0199")), ("--rpm 101", ("rpm 101", "99.99")), ("--wob 501", ("wob_kN 501",)),
+                        ("--f0 301", ("f0_kN 301",)), ("--alpha1 3", ("alpha1 3", "2")), ("--alpha2 3", ("alpha2 3",)), ("--limit 0.7", ("limit 0.69", "0.8")),
+                        ("--cov 0.4", ("cov.fc 0.4",)), ("--cov fc=0.45,mu=0.45,a1=0.45,a2=0.45", ("cov.rpm 0", "0.449")), ("--start rotating", ("rotating", "rest")),
+                        ("--duration 5 --window 2:4", ("duration_s 5", "4")), ("--window 1:4", ("window_s 1", "2")), ("--step 0.0005", ("step_s 0.0005",)),
+                        ("--torsional 6", ("torsional 6", "5")),
+                        ("--drive soft", ("drive soft", "stiff"))):
+        part(folder, "foreign", 50, 5, more)
+        refused("merge a.csv foreign.csv", folder, "foreign.csv", "of another run", *words)
+    if "double" in PROGRAM:
+        part(folder, "foreign", 50, 5, real="double")
+        refused("merge a.csv foreign.csv", folder, "double", "float")
+        part(folder, "base", 0, 50, real="double")
+        part(folder, "foreign", 50, 5, "--mu 0.0200000000001", real="double")
+        refused("merge base.csv foreign.csv", folder, "foreign.csv", "of another run", real="double")
+    text = read(folder, "b.csv")
+    for bad in (text[:-1], text.replace(b",ok,", b",OK,", 1), text + text.splitlines(True)[-1], b"", text.replace(b"0", b"1", 1)):
+        with open(os.path.join(folder, "b.csv"), "wb") as file:
+            file.write(bad)
+        refused("merge a.csv b.csv c.csv --csv x.csv --json x.json", folder, "b.csv", "not the file that b.json is of")
+    with open(os.path.join(folder, "b.csv"), "wb") as file:
+        file.write(text)
+    report = read(folder, "b.json").replace(b": -", b": 0.1")
+    part(folder, "until", 50, 300, "--until-width 0.5")
+    refused("merge a.csv until.csv", folder, "stopped itself")
+    for bad in (b"", b"{", b"[1]", report[:-3], report.replace(b'"samples": 30', b'"samples": 0'), report.replace(b'"digest"', b'"digset"'),
+                report.replace(b'"samples": 30', b'"samples": 30.5'), report.replace(b'"first": 50', b'"first": -1'), b"{" * 100000, report + b"\0x"):
+        with open(os.path.join(folder, "b.json"), "wb") as file:
+            file.write(bad)
+        refused("merge a.csv b.csv c.csv --csv x.csv", folder, "b.json")
+    with open(os.path.join(folder, "b.json"), "wb") as file:
+        file.write(re.sub(rb'"csv_crc32c": "[0-9a-f]*",', b"", report))
+    refused("merge a.csv b.csv", folder, "without --csv")
+    os.remove(os.path.join(folder, "b.json"))
+    refused("merge a.csv b.csv", folder, "b.json is not beside it")
+    shutil.copy(os.path.join(folder, "c.csv"), os.path.join(folder, "c.csv.journal"))
+    refused("merge c.csv", folder, "not finished", "--resume")
+    os.remove(os.path.join(folder, "c.csv.journal"))
+    os.rename(os.path.join(folder, "c.csv"), os.path.join(folder, "gone.csv"))
+    refused("merge c.csv", folder, "c.csv: cannot be read", status=1)
+    for args in ("merge", "merge --json x.json", "merge a.txt", "merge .csv", "merge a.csv --csv", "merge a.json --csv x.csv", "merge a.csv --seed 1",
+                 "merge a.csv --csv x --json x", "merge a.csv --threads 2"):
+        refused(args, folder)
+    refused("merge a.csv --csv nowhere/x.csv", folder, "cannot write", status=1)
+
+
+def check_array(folder):
+    """The example: an array of jobs, one of them killed and started again, gives one run's files."""
+    part(folder, "one", 0, 103)
+    env = dict(os.environ, KELLY=PROGRAM["float"])
+    script = os.path.join(ROOT, "host/examples/array.sh")
+    for parts in (1, 4, 103):
+        run = subprocess.run(["sh", script, f"run{parts}", "103", str(parts)] + shlex.split(CASE), cwd=folder, env=env, capture_output=True, text=True, check=False)
+        claim(run.returncode == 0 and read(folder, f"run{parts}.csv") == read(folder, "one.csv") and read(folder, f"run{parts}.json") == read(folder, "one.json"),
+              f"array of {parts}: {run.stderr!r}")
+    for name in ("run4.2.csv", "run4.csv"):
+        os.remove(os.path.join(folder, name))
+    run = subprocess.run(["sh", script, "run4", "103", "4"] + shlex.split(CASE), cwd=folder, env=env, capture_output=True, text=True, check=False)
+    claim(run.returncode == 0 and read(folder, "run4.csv") == read(folder, "one.csv"), f"a part again: {run.stderr!r}")
+    claim(subprocess.run(["sh", script], capture_output=True, check=False).returncode == 2, "usage")
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--float", default=os.path.join(ROOT, "build/host/kelly"))
+    parser.add_argument("--double", default=os.path.join(ROOT, "build/host-double/kelly"))
+    parser.add_argument("names", nargs="*")
+    args = parser.parse_args()
+    PROGRAM["float"] = os.path.abspath(args.float)
+    if os.path.exists(args.double):
+        PROGRAM["double"] = os.path.abspath(args.double)
+    for name in args.names or [n[6:] for n in globals() if n.startswith("check_")]:
+        with tempfile.TemporaryDirectory() as folder:
+            globals()["check_" + name](folder)
+    print(f"{count[True]} passed, {count[False]} failed")
+    return count[False] != 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

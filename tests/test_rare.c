@@ -1,0 +1,337 @@
+/* test_rare.c - subset simulation on events whose probability is known, and where it must give no answer. */
+#include "../firmware/detmath.h"
+#include "../firmware/link/crc32c.h"
+#include "check.h"
+#include "fixture.h"
+
+#define MOST BY_LENGTH(200, 2400)
+
+static kelly_rare rare;
+static kelly_rare_sample samples[MOST];
+static uint32_t keys[MOST];
+static kelly_rare_estimate answer;
+
+/* Laws this narrow are normal to 1e-8 x^4 in the logarithm. */
+static const float normals[KELLY_PARAMETERS] = { 0.001f, 0.001f, 0.001f, 0.001f, 0.001f };
+static const float one_gamma[KELLY_PARAMETERS] = { 0.0f, 0.5f };
+
+/* Grows like exp(1.2 x) over what is met: its logarithm is what a hint guesses. */
+static float steep(float x)
+{
+    float y = x > -20.0f ? 1.0f + (x + 20.0f) / 32.0f : 1.0f;
+
+    for (unsigned i = 0; i < 6; i++) {
+        y *= y;
+    }
+    return y;
+}
+
+static float above(float x, float limit)
+{
+    return x > limit ? KELLY_RARE_FAILED : steep(x);
+}
+
+static float height(const float x[KELLY_PARAMETERS])
+{
+    return ((x[0] + x[1]) + (x[2] + x[3]) + x[4]) * 0.4472136f;
+}
+
+/* A plane in five standard normals: P = Phi(-limit). */
+static float plane(const kelly_rare_sample *s, float limit)
+{
+    return above(height(s->x), limit);
+}
+
+/* One gamma of shape 4, mean 4: P = exp(-y) (1 + y + y^2/2 + y^3/6). */
+static float far_out(const kelly_rare_sample *s, float limit)
+{
+    return above(kelly_gamma_value(s->x[1], 4.0f, 0.5f), limit);
+}
+
+/* Hints for it: a good one, one that sees things, one that points the other way. */
+typedef enum { NO_HINT, GOOD, BLURRED, WRONG } advice;
+static advice advised;
+
+static float hint(const void *of, const float x[KELLY_PARAMETERS])
+{
+    const advice kind = *(const advice *)of;
+    const float h = kind == WRONG ? -height(x) : height(x), blur = kind == BLURRED ? 0.3f * x[0] * x[1] : 0.0f;
+
+    return kelly_log32(steep(h + blur)) + 3.0f;
+}
+
+typedef enum { PLANE, FAR_OUT, CORNER, FREEZE, FLAT, REFUSE } event;
+
+static float guide(event what, const kelly_rare_sample *s, float limit)
+{
+    switch (what) {
+    case FAR_OUT:
+        return far_out(s, limit);
+    case CORNER:                                           /* two regions, none of which sees the other */
+        return above(s->x[0] > 0 ? s->x[0] : -s->x[0], limit);
+    case FREEZE:                                           /* beyond the first level nothing is let in */
+        return rare.level > 0 ? 0.0f : plane(s, limit);
+    case FLAT:                                             /* no way up */
+        return 1.0f;
+    case REFUSE:
+        return height(s->x) > 1.9f ? KELLY_RARE_REFUSED : plane(s, limit);
+    default:
+        return plane(s, limit);
+    }
+}
+
+/* To the end; 1 if there is an answer. */
+static int simulate(event what, const float cov[KELLY_PARAMETERS], float limit, uint64_t seed, uint32_t n)
+{
+    CHECK(kelly_rare_start(&rare, cov, seed, n, samples, keys) == 0);
+    if (advised != NO_HINT) {
+        kelly_rare_lead(&rare, hint, &advised);
+    }
+    while (kelly_rare_count(&rare) > 0) {
+        for (uint32_t i = rare.first; i < rare.first + rare.count; i++) {
+            samples[i].guide = guide(what, &samples[i], limit);
+        }
+        kelly_rare_accept(&rare);
+    }
+    if (rare.state == KELLY_RARE_DONE) {
+        kelly_rare_read(&rare, &answer);
+    }
+    return rare.state == KELLY_RARE_DONE;
+}
+
+/* The last samples in one number: streams, laws, order and walk, the same on every machine and in both precisions. */
+static uint32_t digest(uint32_t n)
+{
+    uint32_t crc = 0;
+
+    for (uint32_t i = 0; i < n; i++) {
+        uint8_t bytes[4 * (KELLY_PARAMETERS + 1)];
+
+        for (unsigned k = 0; k <= KELLY_PARAMETERS; k++) {
+            const union { float x; uint32_t bits; } u = { .x = k < KELLY_PARAMETERS ? samples[i].x[k] : samples[i].guide };
+
+            for (unsigned b = 0; b < 4; b++) {
+                bytes[4 * k + b] = (uint8_t)(u.bits >> (8 * b));
+            }
+        }
+        crc = kelly_crc32c(crc, bytes, sizeof(bytes));
+    }
+    return crc;
+}
+
+static void has_the_same_bits_everywhere(void)
+{
+    CHECK(simulate(PLANE, normals, 2.3263f, 3, 200));
+    EQUAL(rare.level, 2);
+    EQUAL(digest(200), 0xf64c61ebu);
+    CLOSE(answer.probability, W(0.01), W(0.006));
+    (void)simulate(FAR_OUT, one_gamma, 9.0f, UINT64_C(0x123456789abcdef0), 200);
+    EQUAL(digest(200), 0xcf846d9du);
+    advised = GOOD;
+    CHECK(simulate(PLANE, normals, 2.3263f, 3, 200));
+    EQUAL(digest(200), 0x31a9a457u);
+    advised = NO_HINT;
+}
+
+/* A good hint is accepted more often than straight moves are, a wrong one leads no more after one level. */
+static void follows_a_hint_that_helps(void)
+{
+    advised = GOOD;
+    CHECK(simulate(PLANE, normals, 3.0f, 5, 200) || rare.state == KELLY_RARE_FEW);
+    CHECK(rare.leads);
+    for (uint32_t l = 1; l <= rare.level; l++) {
+        EQUAL(rare.levels[l].led, 120);                    /* six moves of nine, 20 chains */
+        CHECK(rare.levels[l].led_accepted * 2 > rare.levels[l].led);
+        CHECK(rare.levels[l].accepted >= rare.levels[l].led_accepted && rare.levels[l].proposed == 180);
+    }
+    advised = WRONG;
+    (void)simulate(PLANE, normals, 4.0f, 5, 200);
+    CHECK(!rare.leads && rare.level >= 2);
+    EQUAL(rare.levels[rare.level].led, 0);
+    advised = NO_HINT;
+}
+
+static int is_first(uint32_t i)
+{
+    for (uint32_t j = 0; j < i; j++) {
+        if (samples[j].id == samples[i].id) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Copies share their id and everything else; the last event holds its samples. */
+static void leaves_samples_of_the_event(void)
+{
+    uint32_t failed = 0, distinct = 0;
+
+    CHECK(simulate(PLANE, normals, 2.3263f, 3, 200));
+    for (uint32_t i = 0; i < 200; i++) {
+        CHECK(samples[i].guide >= rare.guide);
+        CHECK(samples[i].guide == plane(&samples[i], 2.3263f));
+        CHECK(samples[i].id < rare.realisations);
+        failed += (uint32_t)kelly_rare_failed(&samples[i]);
+        distinct += kelly_rare_failed(&samples[i]) && is_first(i);
+    }
+    EQUAL(failed, rare.levels[rare.level].failed);
+    EQUAL(rare.realisations, 200 + 180 * rare.level);
+    EQUAL(rare.distinct, distinct);
+    CHECK(distinct >= KELLY_RARE_DISTINCT && distinct < failed);
+}
+
+/* The first level holds a tenth of failures: counts, as montecarlo has them. */
+static void is_plain_where_that_is_enough(void)
+{
+    CHECK(simulate(PLANE, normals, 0.0f, 3, 200));
+    CHECK(answer.plain && rare.level == 0 && rare.realisations == 200);
+    CLOSE(answer.probability, (wide)rare.levels[0].failed / 200, W(1e-7));
+    CHECK(answer.lo == kelly_binomial_lo(rare.levels[0].failed, 200, W(0.025)));
+    CHECK(answer.hi == kelly_binomial_hi(rare.levels[0].failed, 200, W(0.025)));
+    CHECK(simulate(PLANE, normals, -30.0f, 3, 200));       /* P = 1: no spread, no 0/0 */
+    CHECK(answer.probability == 1 && answer.hi == 1 && answer.lo > W(0.98) && answer.cov == 0);
+    CHECK(simulate(REFUSE, normals, -0.5f, 3, 200) && answer.plain);
+}
+
+static void draws_what_kelly_run_draws(void)
+{
+    kelly_case run;
+
+    fixture_case(&run, 100);
+    run.cov[0] = run.cov[3] = 0.2f;
+    run.cov[4] = 0.5f;
+    CHECK(kelly_rare_start(&rare, run.cov, 11, 200, samples, keys) == 0);
+    for (uint32_t j = 0; j < 200; j += 17) {
+        kelly_draw one, other;
+
+        kelly_rare_draw(&run, &samples[j], &one);
+        kelly_draw_sample(&run, 11, j, &other);
+        CHECK(one.fc == other.fc && one.mu == other.mu && one.a1 == other.a1 && one.a2 == other.a2 && one.w0 == other.w0);
+        CHECK(one.mu == run.mu && samples[j].x[1] == 0);
+    }
+}
+
+static void expect(kelly_rare_state state, event what, float limit, uint64_t seed)
+{
+    CHECK(!simulate(what, normals, limit, seed, 200));
+    EQUAL(rare.state, state);
+    EQUAL(kelly_rare_count(&rare), 0);
+}
+
+static void refuses_with_a_reason(void)
+{
+    static const float nothing[KELLY_PARAMETERS] = { 0 };
+
+    expect(KELLY_RARE_NO_FAILURE, PLANE, 50.0f, 1);
+    CHECK(rare.level >= 8 && rare.level + 1 < KELLY_RARE_LEVELS);
+    expect(KELLY_RARE_STILL, FREEZE, 4.0f, 1);
+    EQUAL(rare.level, 1);
+    expect(KELLY_RARE_DEEP, FLAT, 4.0f, 1);
+    CHECK(rare.levels[1].inside == 200 && rare.levels[1].variance == 0);   /* p = 1: no 0/0 */
+    expect(KELLY_RARE_UNKNOWN, REFUSE, 4.0f, 1);
+    CHECK(rare.levels[rare.level].refused > 0);
+    expect(KELLY_RARE_FEW, PLANE, 2.6f, 3);
+    CHECK(rare.distinct < KELLY_RARE_DISTINCT && rare.levels[rare.level].failed >= 20);
+    CHECK(kelly_rare_start(&rare, nothing, 1, 200, samples, keys) != 0);
+    CHECK(kelly_rare_start(&rare, normals, 1, 160, samples, keys) != 0);
+    CHECK(kelly_rare_start(&rare, normals, 1, 210, samples, keys) != 0);
+    for (int state = 0; state < KELLY_RARE_OUTCOMES; state++) {
+        CHECK(kelly_rare_reason((kelly_rare_state)state)[0] != 0);
+    }
+}
+
+/* (b_1^2 T' / c_1)^4 ss in floating point from elsewhere; above the limit it is a failure, without a result it is refused. */
+static void guides_by_the_negative_damping(void)
+{
+    kelly_result r = { .ss = R(0.5), .status = KELLY_OK };
+    kelly_case run;
+    float before;
+
+    fixture_case(&run, 100);
+    run.limit = R(0.8);
+    run.mu = R(0.004);
+    kelly_draw_nominal(&run, &r.draw);
+    before = kelly_rare_guide(&kelly_string, &run, &r);
+    CLOSE((wide)before / W(0.0655589), W(1.0), W(1e-4));
+    r.ss = R(0.25);
+    CLOSE((wide)kelly_rare_guide(&kelly_string, &run, &r) / (wide)before, W(0.5), W(1e-6));
+    r.draw.w0 = R(0.5);                                    /* positive damping: clamped, and still ordered by ss */
+    CHECK(kelly_rare_guide(&kelly_string, &run, &r) > 0 && kelly_rare_guide(&kelly_string, &run, &r) < 1e-20f);
+    r.ss = R(0.81);
+    CHECK(kelly_rare_guide(&kelly_string, &run, &r) == KELLY_RARE_FAILED);
+    r.status = KELLY_STEP;
+    CHECK(kelly_rare_guide(&kelly_string, &run, &r) == KELLY_RARE_REFUSED);
+}
+
+/* A run of given draws is the run of the seed that drew them. */
+static void runs_given_draws(void)
+{
+    kelly_result *const of_seed = fixture.ensemble.results, *const given = fixture.ensemble.again;
+    kelly_draw draws[2];
+    kelly_case run;
+
+    fixture_case(&run, BY_LENGTH(60, 3000));
+    run.cov[1] = run.cov[4] = 0.2f;
+    kelly_run(&kelly_string, &run, 8, 5, 2, of_seed, &fixture.ensemble.work);
+    draws[0] = of_seed[1].draw;
+    draws[1] = of_seed[0].draw;
+    kelly_run_draws(&kelly_string, &run, draws, 2, given, &fixture.ensemble.work);
+    CHECK(fixture_same(&given[0], &of_seed[1]));
+    CHECK(fixture_same(&given[1], &of_seed[0]));
+}
+
+#if CHECK_LONG
+/* Mean of `runs` answers within four standard errors of P, and at least `most` intervals hold it. */
+static void study(event what, const float cov[KELLY_PARAMETERS], float limit, wide p, unsigned runs, unsigned hold, wide most_spread)
+{
+    wide sum = 0, squares = 0, mean, variance;
+    unsigned held = 0;
+
+    for (unsigned seed = 1; seed <= runs; seed++) {
+        CHECK(simulate(what, cov, limit, seed, MOST));
+        sum += answer.probability / p;
+        squares += answer.probability / p * (answer.probability / p);
+        held += answer.lo <= p && p <= answer.hi;
+    }
+    mean = sum / runs;
+    variance = squares / runs - mean * mean;
+    CHECK((mean - 1) * (mean - 1) * runs < 16 * variance);
+    CLOSE(variance, 0, most_spread * most_spread);
+    CHECK(held >= hold);
+}
+
+static void is_right_on_average(void)
+{
+    static const advice advices[] = { NO_HINT, GOOD, BLURRED, WRONG };
+
+    for (unsigned i = 0; i < 4; i++) {
+        advised = advices[i];
+        study(PLANE, normals, 2.326348f, W(1e-2), 100, 90, W(0.17));
+        study(PLANE, normals, 4.753424f, W(1e-6), 100, advised == WRONG ? 85 : 90, advised == GOOD ? W(0.25) : W(0.42));
+    }
+    advised = NO_HINT;
+    study(PLANE, normals, 0.0f, W(0.5), 100, 90, W(0.05));
+    study(PLANE, normals, 2.326348f, W(1e-2), 100, 90, W(0.15));
+    study(PLANE, normals, 3.090232f, W(1e-3), 100, 90, W(0.2));
+    study(PLANE, normals, 4.753424f, W(1e-6), 100, 90, W(0.35));
+    study(PLANE, normals, 5.612001f, W(1e-8), 100, 90, W(0.55));
+    study(FAR_OUT, one_gamma, 15.913814f, W(1e-4), 100, 90, W(0.25));
+    study(CORNER, normals, 3.0902323f, W(2e-3), 100, 90, W(0.2));
+}
+#endif
+
+void test_rare(void);
+void test_rare(void)
+{
+    has_the_same_bits_everywhere();
+    follows_a_hint_that_helps();
+    leaves_samples_of_the_event();
+    is_plain_where_that_is_enough();
+    draws_what_kelly_run_draws();
+    refuses_with_a_reason();
+    guides_by_the_negative_damping();
+    runs_given_draws();
+#if CHECK_LONG
+    is_right_on_average();
+#endif
+}
