@@ -112,8 +112,9 @@ def answer(real, name, command, case, window, scratch):
 
 
 def row_of(text):
+    """Columns of the one realisation; a refused one leaves its results empty."""
     row = next(csv.DictReader(text.splitlines()))
-    return {name: value if name == "status" else float(value) for name, value in row.items()}
+    return {name: value if name == "status" else float(value or "nan") for name, value in row.items()}
 
 
 # ---- the reference
