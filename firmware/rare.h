@@ -121,6 +121,9 @@ void kelly_rare_accept(kelly_rare *rare);
 /* The answer of a run that is KELLY_RARE_DONE. */
 void kelly_rare_read(const kelly_rare *rare, kelly_rare_estimate *out);
 
+/* For rare.c: P of the present level's event. */
+wide kelly_rare_product(const kelly_rare *rare);
+
 /* For rare.c: level of the hint that stands for the present event, from the seeds, the first `chains` samples. */
 void kelly_rare_aim(kelly_rare *rare);
 
