@@ -1,4 +1,5 @@
-/* rare.c - see rare.h. Au and Beck, Probabilistic Engineering Mechanics 16 (2001) 263-277; conditional sampling: Papaioannou, Betz, Zwirglmaier and Straub, ibid. 41 (2015) 89-103. */
+/* rare.c - see rare.h. Au and Beck, Probabilistic Engineering Mechanics 16 (2001) 263-277; conditional sampling: Papaioannou, Betz,
+ * Zwirglmaier and Straub, ibid. 41 (2015) 89-103. */
 #include "rare.h"
 
 #include "detmath.h"

@@ -24,7 +24,8 @@ void kelly_rare_read(const kelly_rare *rare, kelly_rare_estimate *out)
     for (uint32_t i = 0; i <= rare->level; i++) {
         variance += rare->levels[i].variance;
     }
-    *out = (kelly_rare_estimate){ .probability = kelly_rare_product(rare), .cov = (wide)kelly_sqrt32((float)variance), .plain = rare->level == 0 };
+    *out = (kelly_rare_estimate){ .probability = kelly_rare_product(rare), .cov = (wide)kelly_sqrt32((float)variance) };
+    out->plain = rare->level == 0;
     if (out->plain) {
         const uint32_t counted = rare->n - level->refused;
 
