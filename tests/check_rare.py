@@ -38,7 +38,7 @@ MORE = {
     "unequal laws": ("--mu 0.004 --rpm 170 --cov fc=0.05,mu=0.2,a1=0.1,rpm=0.15", 0, 60000),
     "rotating start": ("--mu 0.004 --rpm 150 --cov 0.2 --start rotating", 0, 60000),
     "soft drive": ("--mu 0.004 --rpm 180 --cov 0.2 --drive soft", 0, 60000),
-    "slim-4000ft": ("--mu 0.004 --rpm 180 --cov 0.2", 0, 60000),
+    "slim-4000ft": ("--mu 0.004 --rpm 300 --cov 0.2", 0, 60000),
     "about 1e-6": ("--mu 0.004 --rpm 215 --cov 0.1", 0, 0),
 }
 
