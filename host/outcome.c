@@ -70,7 +70,7 @@ static uint32_t listed(const outcome *out)
     return refused < LISTED ? refused : LISTED;
 }
 
-static void write_case(FILE *to, const outcome *out)
+void outcome_write_case(FILE *to, const outcome *out)
 {
     const kelly_case *const run = &out->opts->run;
     char drive[DRIVE_TEXT];
@@ -85,7 +85,7 @@ static void write_case(FILE *to, const outcome *out)
             (double)run->cov[0], (double)run->cov[1], (double)run->cov[2], (double)run->cov[3], (double)run->cov[4]);
 }
 
-static void write_refused(FILE *to, const outcome *out)
+void outcome_write_refused(FILE *to, const outcome *out)
 {
     fprintf(to, "  \"refused_by\": {\"step\": %u, \"range\": %u, \"nonfinite\": %u, \"corrupt\": %u},\n  \"refused_first\": [", out->tally.status[KELLY_STEP],
             out->tally.status[KELLY_RANGE], out->tally.status[KELLY_NONFINITE], out->tally.status[KELLY_CORRUPT]);
@@ -138,19 +138,19 @@ static void write_json(FILE *to, const outcome *out, double lo, double hi)
     if (out->opts->csv) {
         fprintf(to, "  \"csv_crc32c\": \"%08x\",\n", out->csv_crc);
     }
-    write_refused(to, out);
+    outcome_write_refused(to, out);
     until_write(to, &out->until, out->asked);
     if (out->opts->convergence) {
         write_convergence(to, &out->convergence);
     }
-    write_case(to, out);
+    outcome_write_case(to, out);
     if (out->more) {
         out->more(to, out->more_of);
     }
     fprintf(to, "  \"engine\": \"%s\",\n  \"seconds\": %.6f\n}\n", out->engine, out->seconds);
 }
 
-static void print_case(const outcome *out)
+void outcome_print_case(const outcome *out)
 {
     const kelly_case *const run = &out->opts->run;
     char drive[DRIVE_TEXT];
@@ -190,13 +190,25 @@ static void warn(const outcome *out)
     }
 }
 
+void outcome_print_refused(const outcome *out, const char *where)
+{
+    for (uint32_t i = 0; i < listed(out) && i < SHOWN; i++) {
+        printf("%s%u (%s)", i ? ", " : "refused: ", out->refused[i], status_names[out->why[i]]);
+    }
+    if (kelly_refused(&out->tally) > SHOWN) {
+        printf(", ... (%s)\n", where);
+    } else if (listed(out) > 0) {
+        puts("");
+    }
+}
+
 static void print_outcome(const outcome *out, double lo, double hi)
 {
     const kelly_tally *const t = &out->tally;
     const uint32_t counted = t->samples - kelly_refused(t);
     const int digits = hi - lo > 1e-3 ? 4 : hi - lo > 1e-5 ? 6 : 8;   /* as many as the interval's width needs */
 
-    print_case(out);
+    outcome_print_case(out);
     if (counted > 0) {
         printf("P(stick-slip) = %s%.*f%s   95 %% interval %.*f .. %.*f   (%u of %u with ss > %.6g)\n", ink(stdout, colour(lo, hi)), digits,
                (double)kelly_probability(t), ink(stdout, "0"), digits, lo, digits, hi, t->stuck, counted, (double)out->opts->run.limit);
@@ -213,12 +225,7 @@ static void print_outcome(const outcome *out, double lo, double hi)
     }
     until_print(&out->until, t->samples);
     warn(out);
-    for (uint32_t i = 0; i < listed(out) && i < SHOWN; i++) {
-        printf("%s%u (%s)", i ? ", " : "refused: ", out->refused[i], status_names[out->why[i]]);
-    }
-    if (listed(out) > 0) {
-        puts(kelly_refused(t) > SHOWN ? ", ... (all with --csv)" : "");
-    }
+    outcome_print_refused(out, "all with --csv");
     for (unsigned i = 0; i < out->convergence.count; i++) {
         printf("conv(%u) = %.6g m2 s\n", out->convergence.n[i], out->convergence.value[i]);
     }
