@@ -24,6 +24,7 @@ GATES = {
     "nothing-lost": ("test", 600, f"{PYTHON} tests/check_nothing_lost.py"),
     "merge": ("test", 300, f"{PYTHON} tests/check_merge.py"),
     "mpi": ("test", 600, f"{PYTHON} tests/check_mpi.py"),
+    "plan": ("test", 300, f"{PYTHON} tests/check_plan.py"),
     "figures": ("test", 600, f"{PYTHON} tests/check_figures.py"),
     "map": ("test", 600, f"{PYTHON} tests/check_map.py"),
     "drive": ("test", 300, f"{PYTHON} tests/check_drive.py"),
