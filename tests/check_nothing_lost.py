@@ -273,7 +273,7 @@ def check_commands(folder):
             ("until", f"montecarlo {CASE} --until-width 0.2 --threads 2", ("csv", "json")),
             ("convergence", "montecarlo --mu 0.004 --duration 1 --window 0:1 --samples 9 --convergence --threads 2", ("json",)),
             ("advise", "advise --mu 0.004 --duration 1 --window 0:1 --samples 20 --search-rpm 80:120 --search-wob 80:120", ("json",)),
-            ("rare", "rare --mu 0.004 --rpm 200 --cov 0.1 --duration 10 --samples-per-level 400 --threads 2", ("json",)),
+            ("rare", "rare --mu 0.004 --rpm 125 --start rotating --duration 10 --samples-per-level 1000 --threads 2", ("json",)),
             ("map", "map --mu 0.004 --duration 1 --window 0:1 --samples 20 --rpm 80:120:40 --wob 80:120:40", ("csv", "json", "npy"))):
         place = Place(folder, name)
         counted = os.path.join(folder, name + ".counted")
