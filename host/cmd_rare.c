@@ -247,21 +247,6 @@ static void write_failures(FILE *to, const search *s, double *list)
     fprintf(to, "\n    \"count\": %u, \"distinct\": %u},\n", n, s->rare.distinct);
 }
 
-static void write_case(FILE *to, const options *opts)
-{
-    const kelly_case *const run = &opts->run;
-    char drive[DRIVE_TEXT];
-
-    fprintf(to, "  \"case\": {\"rpm\": %.9g, \"wob_kN\": %.9g, \"mu\": %.9g, \"alpha1\": %.9g, \"alpha2\": %.9g, \"f0_kN\": %.9g, \"start\": \"%s\", "
-            "\"duration_s\": %.9g, \"window_s\": [%.9g, %.9g], \"step_s\": %.9g, \"limit\": %.9g, \"torsional\": %u,\n",
-            (double)run->w0 / RPM, (double)run->fc / 1000.0, (double)run->mu, (double)run->a1, (double)run->a2, (double)run->f0 / 1000.0,
-            run->rotating ? "rotating" : "rest", case_seconds(run, run->ticks), case_seconds(run, run->window_first),
-            case_seconds(run, run->window_last), case_seconds(run, 1), (double)run->limit, run->torsional);
-    fprintf(to, "           \"drive\": \"%s\",\n", drive_text(&run->drive, drive));
-    fprintf(to, "           \"cov\": {\"fc\": %.9g, \"mu\": %.9g, \"a1\": %.9g, \"a2\": %.9g, \"rpm\": %.9g}},\n",
-            (double)run->cov[0], (double)run->cov[1], (double)run->cov[2], (double)run->cov[3], (double)run->cov[4]);
-}
-
 static void write_json(FILE *to, const search *s, double *list)
 {
     if (done(s)) {
@@ -278,7 +263,7 @@ static void write_json(FILE *to, const search *s, double *list)
     write_failures(to, s, list);
     fprintf(to, "  \"severity\": \"ss = (max - min)/(max + min)\",\n  \"seed\": %llu,\n  \"digest\": \"%08x\",\n  \"real\": \"%s\",\n"
             "  \"model\": \"%s\",\n", (unsigned long long)s->opts->seed, s->tally.digest, sizeof(real) > 4 ? "double" : "float", kelly_string.id);
-    write_case(to, s->opts);
+    case_write(to, &s->opts->run);
     fprintf(to, "  \"engine\": \"%s\",\n  \"seconds\": %.6f\n}\n", s->engine->name, s->seconds);
 }
 
@@ -303,13 +288,7 @@ static void print_failures(const search *s, double *list)
 
 static void print_outcome(const search *s, double *list)
 {
-    const kelly_case *const run = &s->opts->run;
-    char drive[DRIVE_TEXT];
-
-    printf("%s, %.6g rpm, %.6g kN, f0 %.6g kN, mu %.6g, alpha1 %.6g, alpha2 %.6g, start %s, window %.6g:%.6g s, step %.6g s%s\n", kelly_string.id,
-           (double)run->w0 / RPM, (double)run->fc / 1000.0, (double)run->f0 / 1000.0, (double)run->mu, (double)run->a1, (double)run->a2,
-           run->rotating ? "rotating" : "rest", case_seconds(run, run->window_first), case_seconds(run, run->window_last), case_seconds(run, 1),
-           drive_remark(&run->drive, drive));
+    case_print(&s->opts->run);
     if (done(s)) {
         printf("P(stick-slip) = %.3g   95 %% interval %.3g .. %.3g   coefficient of variation %.2f   (%s, %u levels, %u realisations)\n",
                (double)s->answer.probability, (double)s->answer.lo, (double)s->answer.hi, (double)s->answer.cov,

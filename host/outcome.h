@@ -35,6 +35,10 @@ void outcome_open(outcome *out, const options *opts, const char *engine);
 /* Where the journal lies: beside the CSV, or the JSON; 0 where neither is a file. Dies with exit 2 for --resume without one. */
 const char *outcome_beside(const options *opts);
 
+/* `"case": {...},` of a JSON; the first line of a summary. */
+void case_write(FILE *to, const kelly_case *run);
+void case_print(const kelly_case *run);
+
 /* Lines of the CSV, as text. */
 void outcome_lines(outcome *out, const char *text, size_t length);
 

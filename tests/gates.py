@@ -21,7 +21,7 @@ GATES = {
     "tests-on-boards": ("test", 900, f"{PYTHON} tests/check_on_targets.py"),
     "command-line": ("test", 600, f"{PYTHON} tests/check_cli.py"),
     "digests": ("test", 900, f"{PYTHON} tests/check_digests.py"),
-    "nothing-lost": ("test", 600, f"{PYTHON} tests/check_nothing_lost.py"),
+    "nothing-lost": ("test", 900, f"{PYTHON} tests/check_nothing_lost.py"),
     "merge": ("test", 300, f"{PYTHON} tests/check_merge.py"),
     "mpi": ("test", 600, f"{PYTHON} tests/check_mpi.py"),
     "plan": ("test", 300, f"{PYTHON} tests/check_plan.py"),
