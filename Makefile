@@ -228,6 +228,9 @@ mpi:                                          ## build/mpi/kelly, for mpirun -n 
 	@sh tests/install openmpi-bin libopenmpi-dev
 	@$(MAKE) MPI=1 all
 
+mpi-efficiency:                               ## two ranks against one, by the clock and by processor time (a minute on two idle cores)
+	@$(with_python) tests/mpi_efficiency.py
+
 # The man page comes out of the program itself.
 install: $(dir)/kelly                         ## PREFIX=/usr/local DESTDIR=: the program, its man page, bash completion
 	install -d '$(DESTDIR)$(PREFIX)/bin' '$(DESTDIR)$(PREFIX)/share/man/man1' '$(DESTDIR)$(PREFIX)/share/bash-completion/completions'
@@ -313,4 +316,4 @@ clean:                                        ## remove build/
 help:                                         ## this list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
 
-.PHONY: FORCE all unit convergence run digest size bench readme test prove campaign study map drives figures tables install clean help dist mpi
+.PHONY: FORCE all unit convergence run digest size bench readme test prove campaign study map drives figures tables install clean help dist mpi mpi-efficiency

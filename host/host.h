@@ -214,6 +214,9 @@ typedef struct {
  * the sink in index order, of the first process alone. Memory does not grow with samples. */
 void run_job(const options *opts, const job *what, batch_sink sink, void *context);
 
+/* Realisations whose results are in memory at once, for so many threads and processes. */
+uint64_t job_batch(unsigned workers);
+
 /* A journal for the results of one or more jobs of opts, `size` bytes each, at most `records` of them in all, beside an output; where `beside`
  * is 0, or another process leads, it stays closed. `also`: what results depend on besides string, precision, case, seed and index.
  * Dies as journal_open does. The caller removes it once its files are in their places. */
@@ -251,11 +254,12 @@ int command_advise(int argc, char **argv);
 int command_sensitivity(int argc, char **argv);
 int command_whatif(int argc, char **argv);
 int command_rare(int argc, char **argv);
+int command_plan(int argc, char **argv);
 int command_merge(int argc, char **argv);
 int command_bench(int argc, char **argv);
 int command_manual(int argc, char **argv);
 extern const command_help modes_help, simulate_help, montecarlo_help, map_help, advise_help, manual_help;
-extern const command_help sensitivity_help, whatif_help, rare_help, merge_help, bench_help;
+extern const command_help sensitivity_help, whatif_help, rare_help, plan_help, merge_help, bench_help;
 
 /* The paper's convergence function over the realisations of opts: writes value[i] at checkpoint n[i]; see convergence.c. Its journal, where
  * there is an output for it to lie beside, is OUTPUT.convergence.journal; the caller removes it. */

@@ -26,6 +26,12 @@ _kelly()
             ?*) return ;;
         esac
     fi
+    # a synopsis that begins with a name takes files
+    if [[ $word != -* ]] && [[ $help == *"usage: kelly $command "[a-z]* ]]; then
+        compopt -o filenames 2>/dev/null
+        COMPREPLY=($(compgen -f -- "$word"))
+        return
+    fi
     COMPREPLY=($(compgen -W "$(sed -n 's/^  \(--[a-z0-9-]*\).*/\1/p' <<< "$help")" -- "$word"))
 }
 complete -F _kelly kelly

@@ -15,6 +15,7 @@ const subcommand commands[] = {
     { "whatif", command_whatif, &whatif_help, 0 },
     { "rare", command_rare, &rare_help, 1 },
     { "merge", command_merge, &merge_help, 0 },
+    { "plan", command_plan, &plan_help, 1 },
     { "bench", command_bench, &bench_help, 0 },
     { "manual", command_manual, &manual_help, 0 },
 };

@@ -1,7 +1,7 @@
 /* mpi.c - team.h through MPI: mpirun -n R build/mpi/kelly ...
  *
  * A process knows its rank from its environment, so that MPI starts only where there is work to share: a mistake in the arguments is one
- * line and needs none. The leader's main thread looks every 50 us for results that came, and naps between: on as many cores as
+ * line and needs none. The leader's main thread looks for results that came, and naps between: on as many cores as
  * there are ranks it takes nothing from the thread that computes. So do the others while they wait. A process that is not
  * under mpirun is alone and has all threads.
  *
@@ -75,11 +75,12 @@ static void start(void)
     }
 }
 
-static void nap(void)
+/* 50 us, and longer the longer nothing has come: 0.8 ms, a small part of an errand. */
+static void nap(unsigned *idle)
 {
-    const struct timespec short_time = { .tv_nsec = 50000 };
+    const struct timespec time = { .tv_nsec = 50000 << (*idle < 4 ? (*idle)++ : 4u) };
 
-    nanosleep(&short_time, 0);
+    nanosleep(&time, 0);
 }
 
 static void say(unsigned rank, uint32_t kind, const errand *e)
@@ -131,6 +132,7 @@ void team_lead(const team_source *source)
 {
     const unsigned others = team_others(), count = TEAM_DEPTH * others;
     slot *const slots = calloc(count, sizeof(*slots));
+    unsigned idle = 0;
 
     if (!slots) {
         die(EXIT_FAILED, "out of memory");
@@ -144,12 +146,13 @@ void team_lead(const team_source *source)
             moved += (unsigned)gave_errand(source, &slots[i], i % others + 1);
             busy += (unsigned)slots[i].busy;
         }
-        if (busy == 0 && source->over(source->context)) {
+        if (source->over(source->context) && busy == 0) {   /* asked every time: it shows the progress */
             break;
         }
         if (moved == 0) {
-            (void)source->over(source->context);   /* it shows the progress */
-            nap();
+            nap(&idle);
+        } else {
+            idle = 0;
         }
     }
     free(slots);
@@ -186,6 +189,7 @@ static void *at_least(space *s, size_t size)
 
 static void hear(uint32_t word[4])
 {
+    unsigned idle = 0;
     int there = 0;
 
     for (;;) {
@@ -193,7 +197,7 @@ static void hear(uint32_t word[4])
         if (there) {
             break;
         }
-        nap();
+        nap(&idle);
     }
     MPI_Recv(word, 4, MPI_UINT32_T, 0, TAG_WORD, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
 }

@@ -232,11 +232,16 @@ static uint32_t batch_count(const job *what, unsigned workers, uint32_t done, ui
     return what->enough && few < most ? few : most;
 }
 
+uint64_t job_batch(unsigned workers)
+{
+    return (uint64_t)BATCH * ((workers + 7u) / 8u);
+}
+
 /* Realisations first + done, ... of opts, to the end. */
 static void lead(const options *opts, const job *what, uint32_t done, batch_sink sink, void *context)
 {
     const unsigned threads = threads_of(opts), workers = threads + (what->lead_alone ? 0 : team_others());
-    const uint64_t batch_size = (uint64_t)BATCH * ((workers + 7u) / 8u);
+    const uint64_t batch_size = job_batch(workers);
     const uint32_t left = opts->samples - done, most = left < batch_size ? left : (uint32_t)batch_size;
     const double start = now();
     batch b = { .opts = opts, .what = what, .workers = workers, .results = calloc(most, what->result_size), .finished = calloc(most, 1),

@@ -37,6 +37,9 @@ USAGE = [
     *(f"{MC} --engine {value}" for value in ("mmx", "AVX2", "''")),
     *(f"{SIM} --sample {value}" for value in ("-1", "abc", "1.5", "4294967296")),
     f"{MC} --csv - --json -", f"{MC} --csv same --json same",   # one would be lost in the other
+    f"{MC} --resume", f"{MC} --resume --csv -", f"{MC} --resume --json /dev/null", f"{MC} --resume=1 --csv x.csv", f"{SIM} --resume", "modes --resume",
+    "sensitivity --resume", "advise --resume", "rare --resume", "map --resume", "merge", "merge --json x.json", "merge a.txt", "merge a.csv --threads 2",
+    "merge nothing.csv", "plan --cores 0", "plan --cores 1e7", "plan --samples 0", "plan --csv x", "plan --lines maybe", "plan --message -1",
     "simulate --step 0.005", "simulate --wob 0.5", "simulate --wob 2000", "simulate --mu 1", "simulate --alpha1 100",
 ]
 

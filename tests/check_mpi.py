@@ -104,7 +104,7 @@ def check_map(folder):
 
 
 def check_rare(folder):
-    args = "rare --mu 0.004 --rpm 200 --cov 0.1 --duration 10 --samples-per-level 400 --json rare.json --quiet"
+    args = "rare --mu 0.004 --rpm 125 --start rotating --duration 10 --samples-per-level 1000 --json rare.json --quiet"
     same_files(folder, args, ["rare.json"], (1, 2, 4))
 
 

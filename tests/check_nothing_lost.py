@@ -116,7 +116,7 @@ def check_kills(folder):
     while kills < PROGRAM["kills"]:
         process = subprocess.Popen([PROGRAM["float"]] + shlex.split(place.args(f"{run} --resume --threads {draws.choice((1, 2, 3))}")),
                                    stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-        time.sleep(draws.random() * span * draws.choice((0.3, 1.0)))
+        time.sleep(draws.random() * span * draws.choice((0.3, 0.8)))
         process.kill()
         said = process.communicate()[1]
         ended = process.returncode == 0
@@ -266,13 +266,14 @@ def check_order(folder):
 # ---- the other long commands
 
 def check_commands(folder):
-    """All commands that keep a journal: killed within the first and last calls, and every fourth between; each goes on."""
+    """All commands that keep a journal: killed within the first and last calls, and every sixth between; each goes on."""
     done = 0
     for name, run, outputs in (
             ("sensitivity", f"sensitivity {CASE} --samples 70 --threads 2 --engine scalar", ("json",)),
             ("until", f"montecarlo {CASE} --until-width 0.2 --threads 2", ("csv", "json")),
             ("convergence", "montecarlo --mu 0.004 --duration 1 --window 0:1 --samples 9 --convergence --threads 2", ("json",)),
             ("advise", "advise --mu 0.004 --duration 1 --window 0:1 --samples 20 --search-rpm 80:120 --search-wob 80:120", ("json",)),
+            ("rare", "rare --mu 0.004 --rpm 125 --start rotating --duration 10 --samples-per-level 1000 --threads 2", ("json",)),
             ("map", "map --mu 0.004 --duration 1 --window 0:1 --samples 20 --rpm 80:120:40 --wob 80:120:40", ("csv", "json", "npy"))):
         place = Place(folder, name)
         counted = os.path.join(folder, name + ".counted")
@@ -285,7 +286,7 @@ def check_commands(folder):
         claim(kelly(args, fault="any:1000000:kill", counted=counted).returncode == 0, f"{name}: ends")
         want, calls = results(), int(read(counted))
         claim(want and calls > 8, f"{name}: {calls} calls")
-        for n in sorted({*range(1, 6), *range(6, calls, 4), *range(max(1, calls - 8), calls + 1)}):
+        for n in sorted({*range(1, 6), *range(6, calls, 6), *range(max(1, calls - 8), calls + 1)}):
             place.empty()
             hit = kelly(args, fault=f"any:{n}:torn")
             lay = place.files()
@@ -293,7 +294,7 @@ def check_commands(folder):
             claim(hit.returncode == -9 and again.returncode == 0 and results() == want,
                   f"{name} torn at {n}: exit {hit.returncode}, left {lay}; then {again.returncode}, {again.stderr!r}, {place.files()}")
             done += 1
-    FIGURES["aborts of sensitivity, --until-width, --convergence, advise and map, survived"] = done
+    FIGURES["aborts of sensitivity, --until-width, --convergence, advise, rare and map, survived"] = done
 
 
 # ---- whose journal

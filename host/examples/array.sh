@@ -6,7 +6,8 @@
 # Here the parts run one after another. In a batch system each is a task of an array; what a task runs is the function `part`, e.g.
 # for Slurm with  #SBATCH --array=0-99  and  part "$SLURM_ARRAY_TASK_ID",  for PBS with $PBS_ARRAY_INDEX, for Grid Engine with $SGE_TASK_ID - 1.
 # A task that was killed or ran out of its time is simply started again: --resume goes on from its journal, and a task that had
-# come to its end is skipped: give every study an OUT of its own. No two parts share a realisation or a file, and the result does not depend on how many there are.
+# come to its end is skipped: give every study an OUT of its own. No two parts share a realisation or a file, and the result does not
+# depend on how many there are.
 set -eu
 
 [ $# -ge 3 ] || { sed -n '4s/^# *//p' "$0" >&2; exit 2; }
