@@ -104,9 +104,12 @@ def macros(compiler, flags):
 
 def cppcheck(part, sources=None):
     """One run for all files of a part: rules about names look across files."""
+    work = os.path.join(ROOT, OUT, "cppcheck-" + part.name)   # its files would lie beside the sources otherwise
+    shutil.rmtree(work, ignore_errors=True)
+    os.makedirs(work)
     defines = [f for f in part.gcc_flags if f.startswith(("-D", "-I"))] + macros(part.gcc, tuple(part.gcc_flags))
     done = sh(["cppcheck", "--addon=misra", "--std=c11", "--enable=warning,style,performance,portability", "--max-configs=1", "-q",
-               "--suppress=missingIncludeSystem", "--template={file}\t{line}\t{id}", "--platform=" + part.platform, *defines,
+               "--suppress=missingIncludeSystem", "--template={file}\t{line}\t{id}", "--platform=" + part.platform, "--cppcheck-build-dir=" + work, *defines,
                *(sources or part.sources)])
     text = re.sub(r"\tmisra-c2012-", "\tmisra/", done.stderr)
     found = findings("cppcheck", r"^(?P<file>[^\t\n]+)\t(?P<line>\d+)\t(?P<rule>\S+)$", text)
