@@ -113,7 +113,8 @@ def cppcheck(part, sources=None):
     text = re.sub(r"\tmisra-c2012-", "\tmisra/", done.stderr)
     found = findings("cppcheck", r"^(?P<file>[^\t\n]+)\t(?P<line>\d+)\t(?P<rule>\S+)$", text)
     found = {(r.removeprefix("cppcheck/") if "misra/" in r else r, f, n) for r, f, n in found}
-    return found if done.returncode == 0 else found | {("cppcheck/failed", part.sources[0], 0)}
+    broken = done.returncode != 0 or "Bailing out" in done.stdout or "Traceback" in done.stdout + done.stderr   # of the addon: status 0
+    return found | {("cppcheck/failed", part.sources[0], 0)} if broken else found
 
 
 @functools.lru_cache(None)
