@@ -62,6 +62,7 @@ GATES = {
     "delivered": ("prove", 1800, f"{PYTHON} tests/check_delivered.py"),
     "delivered-suite": ("campaign", 7200, f"{PYTHON} tests/check_delivered.py --suite"),
     "random-batteries": ("campaign", 43200, f"make -s build/host/random-stream && {PYTHON} tests/check_batteries.py"),
+    "static-rules": ("prove", 1800, f"{PYTHON} tests/check_rules.py"),
 }
 GROUPS = ("test", "prove", "campaign")
 FIGURE = re.compile(r"figure: ([^|:]+): ([^|]+)")

@@ -136,9 +136,9 @@ static __attribute__((noinline)) void sample(kelly_bench *bench, const kelly_sig
         .f_bit = sight->f_bit, .surface_torque = sight->surface_torque, .axial_speed = sight->axial_speed, .top_speed = sight->top_speed,
         .late = rt->late, .worst_late_us = rt->worst_late_us, .load_permille = rt->load_permille, .state = rt->state,
     };
-    uint8_t wire[KELLY_WIRE_MAX];
-
     if (out_room(SAMPLE_ROOM)) {   /* a line that is too slow gets fewer */
+        uint8_t wire[KELLY_WIRE_MAX];
+
         out_frame(wire, KELLY_MSG_RT_SAMPLE, 0, kelly_put_rt_sample(wire + KELLY_WIRE_BODY, &message));
         rt->samples++;
     }
