@@ -62,13 +62,16 @@ static void remember(outfile *file)
 
 _Noreturn void die(int status, const char *format, ...)
 {
+    char text[4096];
     va_list args;
 
     va_start(args, format);
-    fputs("kelly: ", stderr);
-    vfprintf(stderr, format, args);
-    fputc('\n', stderr);
+    (void)vsnprintf(text, sizeof(text), format, args);
     va_end(args);
+    for (char *c = text; *c; c++) {   /* one line, whatever a file or an argument holds */
+        *c = (unsigned char)*c < ' ' || *c == 0x7f ? '?' : *c;
+    }
+    fprintf(stderr, "kelly: %s\n", text);
     remove_temporaries();
     exit(status);
 }
