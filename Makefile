@@ -184,6 +184,35 @@ $(dir)/$(firstword $(engines))/tests/%.o: tests/%.c $(dir)/flags
 	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) $(warnings) $(required) $(filter-out -DKELLY_X86,$(host_only)) $(real_flag) $($(firstword $(engines))_flags) -DKELLY_ISA=$(firstword $(engines)) \
 	 -MMD -MP -c $< -o $@
 
+# ---- fuzzers: clang with its sanitisers, one lane; tests/check_fuzz.py runs them -------------------------------------
+
+FUZZ_CC ?= $(firstword $(foreach c,clang-19 clang,$(if $(shell command -v $(c)),$(c))) clang)
+fuzz := build/fuzz$(real_suffix)
+fuzz_flags := -std=c11 -O1 -g -ffp-contract=off -fno-math-errno -fno-sanitize-recover=all -D_GNU_SOURCE $(real_flag) -Ifirmware/tables -DBOARD_NAME='"fuzz"'
+fuzz_names := $(patsubst tests/fuzz/fuzz_%.c,%,$(wildcard tests/fuzz/fuzz_*.c))
+fuzz_app := $(filter-out bench device estimate,$(basename $(notdir $(wildcard firmware/app/*.c))))
+fuzz_kernel := $(kernel:%=firmware/%) firmware/tables/paper
+fuzz_with_frame := firmware/link/frame firmware/link/crc32c firmware/link/fields firmware/link/messages
+fuzz_with_wits := firmware/link/wits
+fuzz_with_console := $(fuzz_kernel) $(fuzz_app:%=firmware/app/%)
+fuzz_with_journal := firmware/link/crc32c
+fuzz_with_stored := $(fuzz_kernel) host/json_read
+fuzz_with_options := $(fuzz_kernel) host/until host/envelope host/npy host/screen host/threads
+
+fuzzers: $(fuzz_names:%=$(fuzz)/%)
+
+$(fuzz)/%.o: %.c Makefile
+	@mkdir -p $(@D); echo 'CC $< for the fuzzers' >&2
+	$(Q)$(FUZZ_CC) $(fuzz_flags) -fsanitize=fuzzer-no-link,address,undefined -MMD -MP -c $< -o $@
+
+define fuzz_rule
+$(fuzz)/$(1): $(fuzz)/tests/fuzz/fuzz_$(1).o $(fuzz_with_$(1):%=$(fuzz)/%.o)
+	$$(Q)$$(FUZZ_CC) -fsanitize=fuzzer,address,undefined -pthread $$^ -lm -o $$@
+endef
+$(foreach n,$(fuzz_names),$(eval $(call fuzz_rule,$(n))))
+
+-include $(wildcard $(fuzz)/*/*.d $(fuzz)/*/*/*.d)
+
 .SECONDARY:
 -include $(wildcard $(dir)/*.d $(dir)/*/*.d $(dir)/*/tests/*.d)
 
@@ -316,4 +345,4 @@ clean:                                        ## remove build/
 help:                                         ## this list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
 
-.PHONY: FORCE all unit convergence run digest size bench readme test prove campaign study map drives figures tables install clean help dist mpi mpi-efficiency
+.PHONY: FORCE all unit convergence run digest size bench readme test prove campaign study map drives figures tables install clean help dist mpi mpi-efficiency fuzzers

@@ -42,20 +42,6 @@ typedef float wide;
 #define W(x) ((wide)(x##f))
 #endif
 
-/* Bytes of a real, least significant first, whatever the byte order of the machine; returns their number. */
-static inline unsigned kelly_put_real(uint8_t to[sizeof(real)], real x)
-{
-#ifdef KELLY_DOUBLE
-    const union { real x; uint64_t bits; } u = { .x = x };
-#else
-    const union { real x; uint32_t bits; } u = { .x = x };
-#endif
-    for (unsigned k = 0; k < sizeof(real); k++) {
-        to[k] = (uint8_t)(u.bits >> (8 * k));
-    }
-    return sizeof(real);
-}
-
 #define KELLY_PI R(3.14159265358979323846)
 
 #endif

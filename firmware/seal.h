@@ -13,16 +13,7 @@
 #define KELLY_SEAL_FACTOR 0x01000193u
 
 /* The sum over what `seal` covers followed by these bytes, a multiple of four; 0 covers nothing. */
-static inline uint32_t kelly_seal(uint32_t seal, const void *from, size_t bytes)
-{
-    const uint8_t *const at = (const uint8_t *)from;
-
-    for (size_t i = 0; i < bytes; i += 4) {
-        seal = seal * KELLY_SEAL_FACTOR +
-               ((uint32_t)at[i] | (uint32_t)at[i + 1] << 8 | (uint32_t)at[i + 2] << 16 | (uint32_t)at[i + 3] << 24);
-    }
-    return seal;
-}
+uint32_t kelly_seal(uint32_t seal, const void *from, size_t bytes);
 
 /* The same over the members first .. last of a struct, which lie side by side. */
 #define KELLY_SEAL_MEMBERS(seal, of, type, first, last) \

@@ -2,49 +2,46 @@
 
 #include "link/crc32c.h"
 
-static uint32_t crc_word(uint32_t crc, uint32_t word)
+/* CRC of `count` numbers of `size` bytes, least significant byte first, whatever the byte order of the machine. */
+static __attribute__((noinline)) uint32_t crc_of(uint32_t crc, const void *from, size_t count, size_t size)
 {
-    const uint8_t bytes[4] = { (uint8_t)word, (uint8_t)(word >> 8), (uint8_t)(word >> 16), (uint8_t)(word >> 24) };
+    const uint8_t *at = (const uint8_t *)from;
 
-    return kelly_crc32c(crc, bytes, sizeof(bytes));
-}
-
-static uint32_t crc_words(uint32_t crc, const uint32_t *words, size_t count)
-{
-    for (size_t i = 0; i < count; i++) {
-        crc = crc_word(crc, words[i]);
+    for (; count > 0; count--, at += size) {
+#if __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+        crc = kelly_crc32c(crc, at, size);
+#else
+        for (size_t k = size; k > 0; k--) {
+            crc = kelly_crc32c(crc, at + k - 1, 1);
+        }
+#endif
     }
     return crc;
 }
 
 static uint32_t crc_reals(uint32_t crc, const real *values, size_t count)
 {
-    uint8_t bytes[sizeof(real)];
-
-    for (size_t i = 0; i < count; i++) {
-        crc = kelly_crc32c(crc, bytes, kelly_put_real(bytes, values[i]));
-    }
-    return crc;
+    return crc_of(crc, values, count, sizeof(real));
 }
 
-/* What _head of gen/emit_c.py lists, in its order. */
+/* What _head_crc of gen/emit_c.py lists, in its order: that of the struct. */
 static uint32_t head_crc(const kelly_table *t)
 {
     const kelly_case *const n = &t->nominal;
-    const uint32_t counts[] = { t->torsional, t->axial, t->degree, t->nodes, n->step_ns, n->ticks, n->window_first, n->window_last,
-                                n->torsional, n->axial, n->rotating };
-    const real numbers[] = { t->fc_min, t->fc_max, t->fc_mid, t->fc_scale, t->alpha, t->beta, t->inertia, t->impedance,
-                             n->fc, n->mu, n->a1, n->a2, n->w0, n->f0, n->limit, n->drive.inertia, n->drive.impedance, n->drive.hz };
-    uint32_t crc = crc_words(0, counts, sizeof(counts) / sizeof(counts[0]));
+    uint32_t crc = crc_of(0, &t->torsional, 4, sizeof(t->torsional));          /* .. nodes */
+    size_t length = 0;
 
-    crc = crc_reals(crc, numbers, sizeof(numbers) / sizeof(numbers[0]));
-    for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
-        crc = crc_word(crc, (union { float x; uint32_t bits; }){ .x = n->cov[k] }.bits);
+    crc = crc_reals(crc, &t->fc_min, 8);                                       /* .. impedance */
+    crc = crc_reals(crc, &n->fc, 6);                                           /* .. f0 */
+    crc = crc_of(crc, n->cov, KELLY_PARAMETERS, sizeof(n->cov[0]));
+    crc = crc_reals(crc, &n->limit, 1);
+    crc = crc_of(crc, &n->step_ns, 4, sizeof(n->step_ns));                     /* .. window_last */
+    crc = crc_of(crc, &n->torsional, 3, 1);                                    /* .. rotating */
+    crc = crc_reals(crc, &n->drive.inertia, 3);                                /* .. hz */
+    while (length < KELLY_ID_MAX && t->id[length] != '\0') {
+        length++;
     }
-    for (unsigned k = 0; k < KELLY_ID_MAX && t->id[k] != '\0'; k++) {
-        crc = kelly_crc32c(crc, &(const uint8_t){ (uint8_t)t->id[k] }, 1);
-    }
-    return crc;
+    return crc_of(crc, t->id, length, 1);
 }
 
 static uint32_t arrays_crc(const kelly_table *t)

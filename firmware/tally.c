@@ -2,6 +2,20 @@
 
 #include "link/crc32c.h"
 
+/* Bytes of a real, least significant first, whatever the byte order of the machine. */
+static unsigned put_real(uint8_t *to, real x)
+{
+#ifdef KELLY_DOUBLE
+    const union { real x; uint64_t bits; } u = { .x = x };
+#else
+    const union { real x; uint32_t bits; } u = { .x = x };
+#endif
+    for (unsigned k = 0; k < sizeof(real); k++) {
+        to[k] = (uint8_t)(u.bits >> (8 * k));
+    }
+    return sizeof(real);
+}
+
 static uint32_t digest(uint32_t crc, uint32_t index, const kelly_result *result)
 {
     const real values[] = { result->draw.fc, result->draw.mu, result->draw.a1, result->draw.a2, result->draw.w0,
@@ -13,7 +27,7 @@ static uint32_t digest(uint32_t crc, uint32_t index, const kelly_result *result)
         record[n] = (uint8_t)(index >> (8 * n));
     }
     for (unsigned k = 0; k < sizeof(values) / sizeof(values[0]); k++) {
-        n += kelly_put_real(&record[n], values[k]);
+        n += put_real(&record[n], values[k]);
     }
     record[n++] = result->status;
     return kelly_crc32c(crc, record, n);

@@ -83,19 +83,24 @@ def _bytes(counts, scalars, arrays, shapes):
 
 # The table checks itself where it lies (string_model.c): CRCs of the values as C holds them, -> (of a float build, of a double build).
 
-HEAD = ("fc_min", "fc_max", "fc_mid", "fc_scale", "alpha", "beta", "inertia", "impedance", "fc", "mu", "a1", "a2", "w0", "f0", "limit")
-
-
 def _held(numbers, kind):
     return struct.pack(f"<{len(numbers)}{kind}", *(value + 0.0 for value in numbers))
 
 
 def _head_crc(identity, counts, scalars, impedance):
+    """In the order of the struct; the drive of a table is stiff."""
     values = {**scalars, "impedance": impedance}
-    drive = [0.0, 0.0, 0.0]
-    start = struct.pack(f"<{len(counts)}I", *counts.values())
-    end = _held([scalars["cov_" + name] for name in COVS], "f") + identity.encode()
-    return tuple(_crc32c(start + _held([values[name] for name in HEAD] + drive, kind) + end) for kind in "fd")
+
+    def head(kind):
+        real = lambda *names: _held([values[name] for name in names], kind)   # noqa: E731
+        whole = lambda form, *names: struct.pack(f"<{len(names)}{form}", *(counts[name] for name in names))   # noqa: E731
+        return (whole("H", "torsional", "axial", "degree", "nodes")
+                + real("fc_min", "fc_max", "fc_mid", "fc_scale", "alpha", "beta", "inertia", "impedance", "fc", "mu", "a1", "a2", "w0", "f0")
+                + _held([values["cov_" + name] for name in COVS], "f") + real("limit")
+                + whole("I", "step_ns", "ticks", "window_first", "window_last") + whole("B", "run_torsional", "run_axial", "rotating")
+                + _held([0.0, 0.0, 0.0], kind) + identity.encode())
+
+    return tuple(_crc32c(head(kind)) for kind in "fd")
 
 
 def _held_crc(arrays):

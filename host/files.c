@@ -65,14 +65,17 @@ static void remember(outfile *file)
 
 _Noreturn void die(int status, const char *format, ...)
 {
+    char text[4096];
     va_list args;
 
+    va_start(args, format);
+    (void)vsnprintf(text, sizeof(text), format, args);
+    va_end(args);
+    for (char *c = text; *c; c++) {   /* one line, whatever a file or an argument holds */
+        *c = (unsigned char)*c < ' ' || *c == 0x7f ? '?' : *c;
+    }
     if (team_rank() == 0 || status != EXIT_USAGE) {   /* a mistake in the arguments is found by all; one says so */
-        va_start(args, format);
-        fputs("kelly: ", stderr);
-        vfprintf(stderr, format, args);
-        fputc('\n', stderr);
-        va_end(args);
+        fprintf(stderr, "kelly: %s\n", text);
     }
     remove_temporaries();
     team_abort(status);

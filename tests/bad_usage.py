@@ -3,7 +3,7 @@
 MC, SIM = "montecarlo --samples 2 --duration 1 --window 0:1", "simulate --duration 1 --window 0:1"
 
 USAGE = [
-    "nonsense", "montecarlo nonsense", "montecarlo --nonsense 1", "simulate --samples 4", "modes --rpm 100", "modes --samples 3",
+    "nonsense", "montecarlo nonsense", "montecarlo 'non\nsense'", f"{MC} --rpm '1\r\n2'", "montecarlo --nonsense 1", "simulate --samples 4", "modes --rpm 100", "modes --samples 3",
     "montecarlo --sample 3", "montecarlo --out x.csv", "simulate --csv x.csv", "simulate --convergence", "montecarlo -rpm 100", "montecarlo ''",
     "montecarlo --a-very-long-option-name-that-does-not-exist 1", "montecarlo --convergence=1", "modes --json",
     f"{MC} --rpm", f"{MC} --rpm=", f"{MC} --csv", f"{SIM} --out",

@@ -1,16 +1,12 @@
 #!/usr/bin/env python3
-"""Claims about the link: the generated files, the C codec against the Python codec, damaged streams, WITS read back, a fuzzer.
-
-usage: tests/check_link.py [--fuzz SECONDS]
+"""Claims about the link: the generated files, the C codec against the Python codec, damaged streams, WITS read back. Fuzzed by tests/check_fuzz.py.
 
 Prints one line for each claim that fails, then `N passed, N failed`; exit 1 if any failed.
 """
-import argparse
 import math
 import os
 import random
 import re
-import shutil
 import struct
 import subprocess
 import sys
@@ -291,34 +287,7 @@ def the_reader_is_strict():
             claim(True, "")
 
 
-# ---- fuzzer
-
-def fuzz(seconds, directory):
-    corpus = os.path.join(directory, "corpus")
-    os.makedirs(corpus)
-    rng = random.Random(9)
-    for name, seq, fields in some_messages(40, rng, True):
-        number, _, layout = link.MESSAGES[name]
-        with open(os.path.join(corpus, f"{name}-{seq}"), "wb") as file:
-            file.write(struct.pack("<BI", number, seq) + link_codec.pack(layout, fields))
-    for real, flag in (("float", "-DKELLY_FLOAT"), ("double", "-DKELLY_DOUBLE")):
-        tool = build("fuzz_frame-" + real, [os.path.join(ROOT, "tests", "fuzz", "fuzz_frame.c"), *CODEC], flag,
-                     "-fsanitize=fuzzer,address,undefined", "-fno-sanitize-recover=all", cc="clang")
-        if not tool:
-            continue
-        ran = run(tool, f"-max_total_time={seconds // 2}", "-max_len=1500", "-seed=1", "-print_final_stats=1",
-                  "-artifact_prefix=" + OUT + "/", corpus)
-        text = ran.stderr.decode(errors="replace")
-        runs = int((re.search(r"number_of_executed_units: *(\d+)", text) or [0, 0])[1])
-        claim(ran.returncode == 0, f"the fuzzer finds nothing ({real}): {text[-1500:]}")
-        claim(runs > 1000 * seconds, f"the fuzzer runs ({real}): {runs} inputs")
-        print(f"fuzzed {real}: {runs} inputs")
-
-
 def main():
-    parser = argparse.ArgumentParser(usage=__doc__.split("\n\n")[1])
-    parser.add_argument("--fuzz", type=int, default=20)
-    seconds = parser.parse_args().fuzz
     os.makedirs(OUT, exist_ok=True)
     with tempfile.TemporaryDirectory() as directory:
         bytes_repeat(directory)
@@ -333,8 +302,6 @@ def main():
                 damage_is_noticed(tool, real == "float")
                 wits_reads_back(tool)
         the_reader_is_strict()
-        if seconds > 0 and claim(shutil.which("clang"), "clang is there for the fuzzer"):
-            fuzz(seconds, directory)
     print(f"{count[True]} passed, {count[False]} failed")
     return count[False] != 0
 

@@ -547,7 +547,7 @@ static const real axial_free_w2[] = {
 const kelly_table kelly_string = {
     .schema = KELLY_SCHEMA,
     .real_bytes = sizeof(real),
-    .head_crc = sizeof(real) == sizeof(float) ? 0x81f952c8u : 0x16cc58f0u,
+    .head_crc = sizeof(real) == sizeof(float) ? 0x4c6739f5u : 0x1dda8bf1u,
     .arrays_crc = sizeof(real) == sizeof(float) ? 0x4eeefe0fu : 0x3fac1341u,
     .id = "paper-4c51472e",
     .torsional = 20,

@@ -1,4 +1,4 @@
-/* fuzz_frame.c - what a line may carry, for libFuzzer (clang -fsanitize=fuzzer,address,undefined); run by tests/check_link.py.
+/* fuzz_frame.c - what a line may carry, for libFuzzer (clang -fsanitize=fuzzer,address,undefined); run by tests/check_fuzz.py.
  *
  * The input is taken twice: as the bytes of a line, and as payloads, 255 marking the end of one, each of which gets the CRC that it
  * needs to be received: a fuzzer would never guess it, and nothing behind the CRC would be tried.
