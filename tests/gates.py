@@ -48,6 +48,10 @@ GATES = {
     "bench": ("test", 400, f"{PYTHON} tests/check_bench.py"),
     "rebuilds": ("test", 300, f"{PYTHON} tests/check_rebuilds.py"),
     "accuracy-double": ("test", 300, "make -s unit REAL=double && build/host-double/accuracy"),
+    "coverage": ("prove", 1500, f"{PYTHON} tests/check_coverage.py"),
+    "board-coverage": ("prove", 600, f"{PYTHON} tests/check_board_coverage.py"),
+    "mutants": ("prove", 1500, f"nice -n 10 {PYTHON} tests/mutate.py --mutants 60"),
+    "all-mutants": ("campaign", 36000, f"nice -n 10 {PYTHON} tests/mutate.py --mutants 300"),
 }
 GROUPS = ("test", "prove", "campaign")
 FIGURE = re.compile(r"figure: ([^|:]+): ([^|]+)")
