@@ -207,6 +207,10 @@ class Mutant:
         own = self.linked(build, program)
         return own is not None and self.sh([own], LIMITS[program, build.long])[0] != 0
 
+    def in_lanes(self, build):
+        """Whether vectors are computed otherwise: the test of the lanes compares them with one lane, and sees nothing else."""
+        return any("/vector/" in made for made in build.touched(self.site.path, "lanes"))
+
     def compiles(self, build, program):
         return all(self.compiled(build, made) for made in build.touched(self.site.path, program))
 
@@ -244,7 +248,7 @@ def verdict(mutant, builds, known, quick):
     if not all(mutant.compiles(b, "kelly") for b in short) or all(mutant.same(b) for b in short):
         return "none"
     for build in short:
-        if mutant.dies(build, "lanes"):
+        if mutant.in_lanes(build) and mutant.dies(build, "lanes"):
             return f"lanes-{build.real}"
     if any(mutant.other_digest(b, known) for b in short):
         return "digests"
@@ -271,7 +275,7 @@ def tree_of(number):
 
 def judged(sites, wanted, jobs, builds, known, quick):
     """[(site, verdict)] of the first `wanted` mutants."""
-    trees, found, at = queue.Queue(), [], 0
+    trees, found, at, said_so_far = queue.Queue(), [], 0, collections.Counter()
     for k in range(jobs):
         trees.put(tree_of(k))
 
@@ -282,16 +286,18 @@ def judged(sites, wanted, jobs, builds, known, quick):
                 said = verdict(mutant, builds, known, quick)
         finally:
             trees.put(tree)
+        said_so_far[said] += 1
+        if sum(said_so_far.values()) % 25 == 0:
+            print(dict(said_so_far), flush=True)
         if said == "survives":
             print(f"survives: {site.path}:{site.line}: {site.shown}", flush=True)
         return site, said
 
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
         while len(found) < wanted and at < len(sites):
-            some = sites[at:at + min(wanted - len(found), 50)]
+            some = sites[at:at + min(wanted - len(found), 500)]
             at += len(some)
             found += [pair for pair in pool.map(judge, some) if pair[1] != "none"]
-            print(f"{len(found)} mutants of {at} sites", flush=True)
     return found, at
 
 
@@ -337,7 +343,7 @@ def main():
     with open(os.path.join(ROOT, "README.md"), encoding="utf-8") as file:
         known = set(re.findall(r"\b[0-9a-f]{8}\b", file.read().split("<!-- digests -->")[1].split("<!-- /digests -->")[0]))
     builds = [Build(real, 0, ("unit", "lanes", "accuracy", "kelly")) for real in ("float", "double")]
-    builds += [Build(real, 1, ("unit",)) for real in ("float", "double")]
+    builds += [Build(real, 1, ("unit",)) for real in ("float", "double") if not args.quick]
     found, drawn = judged(sites, args.mutants, args.jobs, builds, known, args.quick)
     passed, failed = report(found, drawn, sites if not args.only else all_sites())
     print(f"{passed} passed, {failed} failed")
