@@ -6,7 +6,22 @@
 #include "check.h"
 #include "fixture.h"
 
+/* Not in the frame of test_bits as well: the smallest stack has 3 KB. */
+#define APART static __attribute__((noinline)) void
+
+static kelly_case run;
+static kelly_draw draw;
 static uint64_t digest;
+
+/* One piece of memory, for parts that have 16 KB of it. */
+static union {
+    kelly_envelope envelope;
+    kelly_sobol sobol;
+    kelly_modes modes;
+    struct {
+        real q[KELLY_MODES_MAX], v[KELLY_MODES_MAX];
+    } modal;
+} memory;
 
 static void fold(uint64_t bits)
 {
@@ -17,7 +32,7 @@ static void fold(uint64_t bits)
 
 static void fold_real(real x) { fold(fixture_bits(x)); }
 
-static void fold_wide(wide x)
+APART fold_wide(wide x)
 {
     if (sizeof(wide) == sizeof(float)) {
         fold((union { float x; uint32_t bits; }){ .x = (float)x }.bits);
@@ -39,36 +54,38 @@ static void is_in_wide(uint64_t in_float, uint64_t in_double)
 }
 
 /* Values in random order, then ascending, then descending: every cluster after every 500 of them. */
-static void envelopes(void)
+APART envelopes(void)
 {
-    static kelly_envelope e;
+    kelly_envelope *const e = &memory.envelope;
     kelly_band band;
+    uint32_t taken = 0;
 
     for (unsigned order = 0; order < 3; order++) {
-        kelly_envelope_clear(&e);
+        kelly_envelope_clear(e);
         for (uint32_t i = 0; i < 2000; i++) {
             const uint32_t word = order == 0 ? (i + 1) * 2654435769u : order == 1 ? i << 20 : (2000 - i) << 20;
 
-            CHECK(kelly_envelope_add(&e, (real)(int32_t)(word >> 8) / R(65536.0)));
+            taken += (uint32_t)kelly_envelope_add(e, (real)(int32_t)(word >> 8) / R(65536.0));
             if (i % 500 == 499) {
-                for (unsigned k = 0; k < e.used; k++) {
-                    fold_real(e.value[k]);
-                    fold(e.weight[k]);
+                for (unsigned k = 0; k < e->used; k++) {
+                    fold_real(e->value[k]);
+                    fold(e->weight[k]);
                 }
             }
         }
-        kelly_envelope_read(&e, &band);
+        kelly_envelope_read(e, &band);
         fold_real(band.mean);
         fold_real(band.sd);
         fold_real(band.low);
         fold_real(band.median);
         fold_real(band.high);
-        fold_real(e.grain);
+        fold_real(e->grain);
     }
+    EQUAL(taken, 6000);
     is_in_real(UINT64_C(0x92d7d3a712c041c0), UINT64_C(0x029f1dfa0d6f26d8));
 }
 
-static void intervals(void)
+APART intervals(void)
 {
     static const uint32_t n[] = { 1, 2, 7, 50, 1000, 1000000 };
 
@@ -87,7 +104,7 @@ static void intervals(void)
 }
 
 /* In float in both builds. */
-static void sequences(void)
+APART sequences(void)
 {
     static const uint32_t n[] = { 1, 2, 7, 50, 1000, 1000000 };
 
@@ -102,27 +119,27 @@ static void sequences(void)
     is_in_real(UINT64_C(0x0a551a95c6412d2c), UINT64_C(0x0a551a95c6412d2c));
 }
 
-static void indices(void)
+APART indices(void)
 {
-    static kelly_sobol sobol;
+    kelly_sobol *const sobol = &memory.sobol;
     kelly_rng rng;
 
     kelly_rng_key(&rng, 6, 0, 0);
-    kelly_sobol_clear(&sobol, 2);
+    kelly_sobol_clear(sobol, 2);
     for (unsigned j = 0; j < 77; j++) {
         wide f[4];
 
         for (unsigned i = 0; i < 4; i++) {
             f[i] = (wide)kelly_open01(kelly_rng_next(&rng)) + (wide)i;
         }
-        kelly_sobol_add(&sobol, f);
+        kelly_sobol_add(sobol, f);
     }
     for (unsigned i = 0; i < 2; i++) {
         kelly_estimate of[2];
         wide mean, variance;
 
-        CHECK(kelly_sobol_read(&sobol, i, &of[0], &of[1]));
-        kelly_sobol_moments(&sobol, &mean, &variance);
+        CHECK(kelly_sobol_read(sobol, i, &of[0], &of[1]));
+        kelly_sobol_moments(sobol, &mean, &variance);
         fold_wide(mean);
         fold_wide(variance);
         for (unsigned k = 0; k < 2; k++) {
@@ -134,11 +151,11 @@ static void indices(void)
     is_in_wide(UINT64_C(0xc9317c1e6ed1befc), UINT64_C(0xacb12e13b09e19e5));
 }
 
-static void weights(void)
+APART weights(void)
 {
-    const kelly_laws from = { .mean = { 1, 1, 1, 1, 1 }, .cov = { W(0.2), W(0.2), W(0.2), 0, W(0.1) } };
-    const kelly_laws to = { .mean = { W(1.05), 1, W(0.97), 1, 1 }, .cov = { W(0.2), W(0.18), W(0.19), 0, W(0.1) } };
-    kelly_reweight sums;
+    static const kelly_laws from = { .mean = { 1, 1, 1, 1, 1 }, .cov = { W(0.2), W(0.2), W(0.2), 0, W(0.1) } };
+    static const kelly_laws to = { .mean = { W(1.05), 1, W(0.97), 1, 1 }, .cov = { W(0.2), W(0.18), W(0.19), 0, W(0.1) } };
+    static kelly_reweight sums;
     kelly_reweighted r;
 
     kelly_reweight_start(&sums, &from, &to);
@@ -165,10 +182,9 @@ static void weights(void)
 }
 
 /* Bounds of the step, stiff and soft, and of the axial modes. */
-static void steps(void)
+APART steps(void)
 {
-    kelly_case run;
-    kelly_modes modes;
+    kelly_modes *const modes = &memory.modes;
 
     fixture_case(&run, 1000);
     for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
@@ -176,26 +192,22 @@ static void steps(void)
     }
     run.axial = 5;
     for (uint32_t j = 0; j < 20; j++) {
-        kelly_draw draw;
-
         run.drive = (kelly_drive){ .inertia = j & 1 ? R(2900.0) : 0, .impedance = R(289.0), .hz = R(0.2) };
         kelly_draw_sample(&run, 12, j, &draw);
         draw.mu = j & 2 ? R(1e-9) : draw.mu;
-        fold((uint64_t)kelly_realise(&kelly_string, &run, &draw, &modes));
-        fold_real(kelly_largest_step(&kelly_string, &run, &draw, &modes));
-        fold_real(kelly_fastest_rate(&kelly_string, &run, &draw, &modes, R(90000.0)));
-        fold_real(kelly_smallest_step(&modes));
+        fold((uint64_t)kelly_realise(&kelly_string, &run, &draw, modes));
+        fold_real(kelly_largest_step(&kelly_string, &run, &draw, modes));
+        fold_real(kelly_fastest_rate(&kelly_string, &run, &draw, modes, R(90000.0)));
+        fold_real(kelly_smallest_step(modes));
         fold_real(kelly_axial_largest_step(&kelly_string, &run, &draw));
     }
     is_in_real(UINT64_C(0xb3927e881b45ee2c), UINT64_C(0x43b1ed7478b8593a));
 }
 
 /* All that is seen of a string with a stiff top, and with a soft one. */
-static void sights(void)
+APART sights(void)
 {
     kelly_plant *const plant = &fixture.plant;
-    kelly_case run;
-    kelly_draw draw;
 
     fixture_case(&run, 1000);
     run.axial = 5;
@@ -205,7 +217,6 @@ static void sights(void)
         EQUAL(kelly_plant_start(plant, &kelly_string, &run, &draw), KELLY_OK);
         for (unsigned k = 0; k < 40; k++) {
             kelly_sight s;
-            real q[KELLY_MODES_MAX], v[KELLY_MODES_MAX];
 
             kelly_plant_advance(plant, 7);
             kelly_plant_look(plant, &s);
@@ -216,10 +227,10 @@ static void sights(void)
             fold_real(s.surface_torque);
             fold_real(s.top_speed);
             fold_real(kelly_plant_twist(plant));
-            kelly_plant_modal(plant, q, v);
+            kelly_plant_modal(plant, memory.modal.q, memory.modal.v);
             for (unsigned i = 0; i < plant->modes.count; i++) {
-                fold_real(q[i]);
-                fold_real(v[i]);
+                fold_real(memory.modal.q[i]);
+                fold_real(memory.modal.v[i]);
             }
         }
     }
