@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """mutate - would the tests notice? One small change of the kernel at a time, and the tests run on each.
 
-usage: tests/mutate.py [--mutants 300] [--only TEXT] [--jobs N] [--list]
+usage: tests/mutate.py [--mutants 300] [--only TEXT] [--quick] [--jobs N] [--list]
 
 A site is an operator, a comparison, a connective or a number in firmware/*.c, firmware/link/*.c and the headers of the lanes
 and forms; each has one to three changes. They are sorted by a hash of SEED, the line and the change, and the first --mutants
@@ -33,7 +33,7 @@ OUT = os.path.join(ROOT, "build", "mutants")
 SEED = "kelly 1"
 LEAST = 0.95
 HEADERS = ("lanes.h", "form_m.h", "form_s.h", "stages.h", "bitrock.h", "severity.h")
-LIMITS = {("unit", 0): 3, ("lanes", 0): 30, ("accuracy", 0): 250, ("unit", 1): 200}    # processor time [s], ten times what they take
+LIMITS = {("unit", 0): 2, ("lanes", 0): 30, ("accuracy", 0): 250, ("unit", 1): 200}    # processor time [s], ten times what they take
 DIGEST = "montecarlo --duration 4 --window 2:4 --mu 0.04 --cov 0.2 --samples 8"      # as in make digest
 # One vector unit beside the plain build: its lanes are the same source, and the others only take longer to compile.
 MAKE = ["make", "-s", "machine=any", "CFLAGS=-O1", "CPPFLAGS=-DCHECK_STOP"]
@@ -207,6 +207,10 @@ class Mutant:
         own = self.linked(build, program)
         return own is not None and self.sh([own], LIMITS[program, build.long])[0] != 0
 
+    def in_lanes(self, build):
+        """Whether vectors are computed otherwise: the test of the lanes compares them with one lane, and sees nothing else."""
+        return any("/vector/" in made for made in build.touched(self.site.path, "lanes"))
+
     def compiles(self, build, program):
         return all(self.compiled(build, made) for made in build.touched(self.site.path, program))
 
@@ -230,10 +234,20 @@ class Mutant:
         return False
 
     def fails_the_link(self):
-        return "link/" in self.site.path and self.sh([sys.executable, "tests/check_link.py", "--fuzz", "0"], 300)[0] != 0
+        """check_link.py without its fuzzer, up to the first claim that fails."""
+        if "link/" not in self.site.path:
+            return False
+        process = subprocess.Popen([sys.executable, "tests/check_link.py", "--fuzz", "0"], cwd=self.tree, stdin=subprocess.DEVNULL,
+                                   stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        with process:
+            for line in process.stdout:
+                if line.startswith("FAILED"):
+                    process.kill()
+                    return True
+        return process.returncode != 0
 
 
-def verdict(mutant, builds, known):
+def verdict(mutant, builds, known, quick):
     """`none`: no mutant; by what it was killed; or `survives`."""
     short, long = builds[:2], builds[2:]
     for build in short:
@@ -243,15 +257,17 @@ def verdict(mutant, builds, known):
             return f"unit-{build.real}"
     if not all(mutant.compiles(b, "kelly") for b in short) or all(mutant.same(b) for b in short):
         return "none"
-    for what in ("lanes", "accuracy"):
-        for build in short:
-            if mutant.dies(build, what):
-                return f"{what}-{build.real}"
+    for build in short:
+        if mutant.in_lanes(build) and mutant.dies(build, "lanes"):
+            return f"lanes-{build.real}"
     if any(mutant.other_digest(b, known) for b in short):
         return "digests"
     if mutant.fails_the_link():
         return "link"
-    for build in long:
+    for build in () if quick else short:
+        if mutant.dies(build, "accuracy"):
+            return f"accuracy-{build.real}"
+    for build in () if quick else long:
         if mutant.dies(build, "unit"):
             return f"unit-{build.real} in full"
     return "survives"
@@ -267,19 +283,53 @@ def tree_of(number):
     return root
 
 
-def judged(sites, wanted, jobs, builds, known):
+class Kept:
+    """Verdicts on file, so that a campaign goes on where it was cut off; those of other sources or tests are dropped."""
+
+    def __init__(self, quick):
+        self.path, self.lock, self.verdicts = os.path.join(OUT, "verdicts-quick.txt" if quick else "verdicts.txt"), threading.Lock(), {}
+        state = hashlib.sha256()
+        for folder in ("firmware", "firmware/link", "tests", "gen"):
+            for name in sorted(os.listdir(os.path.join(ROOT, folder))):
+                if name.endswith((".c", ".h", ".py")) and not name.startswith("check_"):
+                    with open(os.path.join(ROOT, folder, name), "rb") as file:
+                        state.update(name.encode() + file.read())
+        self.state = state.hexdigest()
+        if os.path.exists(self.path):
+            with open(self.path, encoding="ascii") as file:
+                first, *rest = file.read().splitlines() or [""]
+            if first == self.state:
+                self.verdicts = dict(line.split(" ", 1) for line in rest if " " in line)
+        if not self.verdicts:
+            with open(self.path, "w", encoding="ascii") as file:
+                file.write(self.state + "\n")
+
+    def add(self, site, said):
+        with self.lock, open(self.path, "a", encoding="ascii") as file:
+            file.write(f"{site.key}{site.at} {said}\n")
+
+    def get(self, site):
+        return self.verdicts.get(f"{site.key}{site.at}")
+
+
+def judged(sites, wanted, jobs, builds, known, quick):
     """[(site, verdict)] of the first `wanted` mutants."""
     trees, found, at = queue.Queue(), [], 0
     for k in range(jobs):
         trees.put(tree_of(k))
 
+    kept = Kept(quick)
+
     def judge(site):
+        if kept.get(site):
+            return site, kept.get(site)
         tree = trees.get()
         try:
             with Mutant(tree, site) as mutant:
-                said = verdict(mutant, builds, known)
+                said = verdict(mutant, builds, known, quick)
         finally:
             trees.put(tree)
+        kept.add(site, said)
         if said == "survives":
             print(f"survives: {site.path}:{site.line}: {site.shown}", flush=True)
         return site, said
@@ -323,6 +373,7 @@ def main():
     parser = argparse.ArgumentParser(usage=__doc__.split("\n\n")[1])
     parser.add_argument("--mutants", type=int, default=300)
     parser.add_argument("--only", default="", help="sites whose file and line hold this")
+    parser.add_argument("--quick", action="store_true", help="without accuracy and the sample sizes of a host, a minute for each survivor")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--list", action="store_true")
     args = parser.parse_args()
@@ -333,8 +384,8 @@ def main():
     with open(os.path.join(ROOT, "README.md"), encoding="utf-8") as file:
         known = set(re.findall(r"\b[0-9a-f]{8}\b", file.read().split("<!-- digests -->")[1].split("<!-- /digests -->")[0]))
     builds = [Build(real, 0, ("unit", "lanes", "accuracy", "kelly")) for real in ("float", "double")]
-    builds += [Build(real, 1, ("unit",)) for real in ("float", "double")]
-    found, drawn = judged(sites, args.mutants, args.jobs, builds, known)
+    builds += [Build(real, 1, ("unit",)) for real in ("float", "double") if not args.quick]
+    found, drawn = judged(sites, args.mutants, args.jobs, builds, known, args.quick)
     passed, failed = report(found, drawn, sites if not args.only else all_sites())
     print(f"{passed} passed, {failed} failed")
     return failed != 0

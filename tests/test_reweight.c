@@ -158,6 +158,24 @@ static void weighs_by_a_power_where_rates_are_equal(void)
     CLOSE(result.ess, W(9.0) / 5, BY_REAL(1e-5, 1e-14));
 }
 
+/* 50 of weight 2 that stick and 900 of weight 1 that do not: P = 0.1, sum w^2 (z - P)^2 = 171, P (1 - P) (sum w)^2 / 171 = 526.3, which is
+ * less than ess = 909. The interval is that of 52 of 526 below and 53 above: P n = 52.6, rounded outwards. */
+static void counts_for_less_where_the_heavy_ones_stick(void)
+{
+    const kelly_laws from = laws_of(1, W(0.5)), to = laws_of(4, W(0.25));
+    const wide one[KELLY_PARAMETERS] = { 1, 1, 1, 1, 1 }, two[KELLY_PARAMETERS] = { 1, W(1.0594630943592953), 1, 1, 1 };
+
+    kelly_reweight_start(&sums, &from, &to);
+    for (unsigned j = 0; j < 950; j++) {
+        kelly_reweight_add(&sums, j < 50 ? two : one, KELLY_OK, j < 50);
+    }
+    kelly_reweight_read(&sums, &result);
+    CLOSE(result.probability, W(0.1), BY_REAL(1e-5, 1e-13));
+    CLOSE(result.ess, W(10000.0) / 11, BY_REAL(1e-2, 1e-9));
+    CLOSE(result.lo, kelly_binomial_lo(52, 526, W(0.025)), BY_REAL(1e-6, 1e-12));
+    CLOSE(result.hi, kelly_binomial_hi(53, 526, W(0.025)), BY_REAL(1e-6, 1e-12));
+}
+
 /* 1000 realisations of weight 1 and one of e^4.17 = 64.5: its share is 6 %, and both sizes are in hundreds. */
 static void refuses_what_one_realisation_decides(void)
 {
@@ -222,6 +240,7 @@ void test_reweight(void)
     refuses_what_reaches_too_far();
     refuses_what_all_make_too_wide();
     weighs_by_a_power_where_rates_are_equal();
+    counts_for_less_where_the_heavy_ones_stick();
     refuses_what_one_realisation_decides();
     counts_the_refused_both_ways();
     says_what_fits();
