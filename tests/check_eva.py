@@ -21,15 +21,34 @@ EVA = os.path.join(ROOT, "tests", "eva")
 OUT = os.path.join(ROOT, "build", "eva")
 
 LINK = "link/crc32c link/frame link/keys link/messages link/wits link/fields".split()
+MODEL = "detmath string_model realisation tables/paper".split()
+TORQUE = ",".join("kelly_bit_torque_folded" + copy for copy in ("", "_0", "_1"))   # a static of a header: a copy for each file
 
-# driver: (files of firmware/ besides it, options)
+# driver: (files of firmware/ besides it, options). use-spec: proved by another driver, or assumed below.
 DRIVERS = {
-    "math": (["detmath"], "-eva-precision 3 -eva-min-loop-unroll 25"),
+    "math": (["detmath"], "-eva-precision 3 -eva-min-loop-unroll 25 -eva-slevel 60"),
     "exp": (["detmath"], "-eva-precision 0"),
+    "sine": (["detmath"], "-eva-precision 1 -eva-slevel 50 -eva-split-return full"),
     "normal": (["detmath"], "-eva-precision 3 -eva-slevel 100"),
     "random": (["random", "detmath"], "-eva-precision 3 -eva-auto-loop-unroll 128 -eva-use-spec kelly_normal"),
-    "link": (LINK, "-eva-precision 1 -eva-auto-loop-unroll 32 -eva-use-spec kelly_cobs"),
+    "torque": (["detmath"], "-eva-precision 0 -eva-slevel 20"),
+    "step": (["integrator", "block", "detmath"], f"-eva-precision 1 -eva-slevel 30 -eva-auto-loop-unroll 24 -eva-use-spec {TORQUE},kelly_sin_turn"),
+    "load": (MODEL + ["block", "drive_block", "drive", "integrator"],
+             "-eva-precision 1 -eva-slevel 20 -eva-auto-loop-unroll 24 -eva-use-spec kelly_sin_turn,kelly_phase_step,kelly_block_resync"),
+    "strings": (MODEL + ["axial", "random"],
+                "-eva-precision 1 -eva-slevel 30 -eva-auto-loop-unroll 24 -eva-split-return full -eva-use-spec kelly_normal,kelly_sin_turn"),
+    "statistics": ("tally sobol link/crc32c detmath random realisation string_model".split(),
+                   "-eva-precision 0 -eva-slevel 10 -eva-auto-loop-unroll 64 -eva-ilevel 64 -eva-plevel 500 -eva-split-return full"),
+    "messages": (["link/messages", "link/fields"], "-eva-precision 0 -eva-auto-loop-unroll 25 -eva-min-loop-unroll 2 -eva-slevel 12 -eva-split-return full"),
+    "link": (LINK, "-eva-precision 1 -eva-auto-loop-unroll 34 -eva-slevel 12 -eva-slevel-function put_digits:60 -eva-split-return full "
+                   "-eva-use-spec kelly_cobs"),
+    "text": ("app/out app/say link/frame link/crc32c".split(),
+             "-eva-precision 0 -eva-slevel 30 -eva-auto-loop-unroll 16 -eva-split-return full -eva-use-spec kelly_cobs"),
+    "plant": (MODEL + ["plant", "axial"],
+              "-eva-precision 1 -eva-slevel 30 -eva-auto-loop-unroll 24 -eva-split-return full -eva-use-spec kelly_sin_turn"),
 }
+# what each file under -include needs besides eva.h
+INCLUDED = {"step": ["torque.h"]}
 
 # (file, functions of it, options): goals of WP, run-time errors included.
 WP = [("link/frame", "kelly_cobs", "")]
@@ -49,6 +68,7 @@ PLANTED = {
     "a logarithm over 0": ("normal", "firmware/random.c", "s >= 0x1.0p-62f && ", ""),
 }
 
+USED = tuple(f"tests/eva/{name}" for name in ("contracts.h", "torque.h", "kernel.h:1", "kernel.h:2")) + ("FRAMAC_SHARE",)
 count = {True: 0, False: 0}
 
 
@@ -60,9 +80,9 @@ def claim(holds, text):
     return holds
 
 
-def frama_c(root, directory, files, options):
+def frama_c(root, directory, files, options, included=()):
     """-> everything that it prints"""
-    includes = f"-I{root}/firmware -I{root}/firmware/board -include {EVA}/eva.h"
+    includes = f"-I{root}/firmware -I{root}/firmware/board" + "".join(f" -include {root}/tests/eva/{name}" for name in ["eva.h", *included])
     command = ["frama-c", "-c11", "-machdep", "gcc_x86_64", f"-cpp-extra-args={includes}", "-kernel-warn-key", "parser:decimal-float=inactive"]
     ran = subprocess.run(command + files + options, cwd=directory, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
     return ran.stdout.decode(errors="replace").replace(root + "/", "")
@@ -77,7 +97,7 @@ def eva(root, name, driver):
     shutil.copy(os.path.join(EVA, "eva_report.ml"), script)
     sources = [os.path.join(root, "tests", "eva", driver + ".c")] + [os.path.join(root, "firmware", f + ".c") for f in files]
     text = frama_c(root, directory, sources, ["-load-script", script, "-eva", "-eva-verbose", "0", "-kernel-verbose", "0", "-eva-no-print",
-                                              "-warn-special-float", "non-finite"] + options.split())
+                                              "-warn-special-float", "non-finite"] + options.split(), INCLUDED.get(driver, []))
     with open(os.path.join(directory, "log.txt"), "w", encoding="utf-8") as file:
         file.write(text)
     return text.splitlines()
@@ -86,7 +106,7 @@ def eva(root, name, driver):
 def open_ones(lines):
     """Alarms and contracts in doubt. Contracts that a driver uses (contracts.h) are proved by another; `reachability` is no property of the program."""
     found = [line[5:] for line in lines if line.startswith("open ")]
-    return [f for f in found if " reachability of " not in f and not f.startswith(("tests/eva/contracts.h", "tests/eva/eva.h", "FRAMAC_SHARE"))
+    return [f for f in found if " reachability of " not in f and not f.startswith(USED)
             and not re.match(r"\S+ (default behavior|assigns )", f)]
 
 
@@ -122,7 +142,7 @@ def wp(root, name, file, functions, options):
     directory = os.path.join(OUT, name)
     os.makedirs(directory, exist_ok=True)
     text = frama_c(root, directory, [os.path.join(root, "firmware", file + ".c")],
-                   ["-cpp-extra-args=-include " + os.path.join(EVA, "contracts.h"), "-wp", "-wp-rte", "-wp-fct", functions, "-wp-prover", "z3,cvc4", "-wp-timeout", "40"] + options.split())
+                   ["-wp", "-wp-rte", "-wp-fct", functions, "-wp-prover", "z3,cvc4", "-wp-timeout", "40"] + options.split(), ["contracts.h"])
     with open(os.path.join(directory, "log.txt"), "w", encoding="utf-8") as file_:
         file_.write(text)
     found = re.search(r"Proved goals:\s+(\d+) / (\d+)", text)

@@ -48,6 +48,7 @@ GATES = {
     "bench": ("test", 400, f"{PYTHON} tests/check_bench.py"),
     "rebuilds": ("test", 300, f"{PYTHON} tests/check_rebuilds.py"),
     "accuracy-double": ("test", 300, "make -s unit REAL=double && build/host-double/accuracy"),
+    "eva": ("prove", 1500, f"{PYTHON} tests/check_eva.py"),
 }
 GROUPS = ("test", "prove", "campaign")
 FIGURE = re.compile(r"figure: ([^|:]+): ([^|]+)")
