@@ -14,7 +14,6 @@ static wide root(wide x)
     if (!(x > 0)) {
         return 0;
     }
-    //@ loop unroll 60;
     for (int i = 0; i < 60; i++) {
         r = W(0.5) * (r + x / r);
     }

@@ -13,11 +13,6 @@
     ensures 0x4000000000000000 <= phase <= 0x7c00000000000000 ==> \result >= 0.09; */
 real kelly_sin_turn(uint64_t phase);
 
-/* Assumed of checked realisations, which turn by 2.8 rad a step at most: 2.8 / 2 pi turns and what is cut. tests/test_detmath.c compares. */
-/*@ assigns \result \from w, step_ns;
-    ensures \result <= 0x7300000000000000; */
-uint64_t kelly_phase_step(real w, uint32_t step_ns);
-
 /*@ requires \is_finite(x);
     assigns \result \from x;
     ensures \is_finite(\result) && -3.1e307 <= \result <= 3.1e307; */

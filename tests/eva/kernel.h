@@ -4,6 +4,11 @@
 
 #include "integrator.h"
 
+/* Assumed of checked realisations, which turn by 2.8 rad a step at most: 2.8 / 2 pi turns and what is cut. tests/test_detmath.c compares. */
+/*@ assigns \result \from w, step_ns;
+    ensures \result <= 0x7300000000000000; */
+uint64_t kelly_phase_step(real w, uint32_t step_ns);
+
 /* step.c has it, for the weights of the torque that this would need slices for. */
 /*@ requires \valid(block);
     assigns block->lane[0].wave, block->lane[0].dwave, block->lane[0].muf, block->lane[0].t1 \from block->tick, block->phase_step[0]; */

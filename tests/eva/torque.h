@@ -20,4 +20,13 @@
     ensures -1.35e14 <= \result <= 1.35e14; */
 vreal kelly_bit_torque_folded(vreal w, vreal twice_muf, vreal ratio, vreal inverse);
 
+/* The other form, of the top of variable speed. */
+/*@ requires \is_finite(w) && \is_finite(muf) && \is_finite(a1) && \is_finite(a2);
+    requires -8e6 <= w <= 8e6 && -1.35e8 <= muf <= 0 && 0 <= a1 <= 1000 && 1e-4 <= a2 <= 1.8e7;
+    assigns \result \from w, muf, a1, a2;
+    ensures \is_finite(\result);
+    ensures muf >= -8. ==> -2.08e6 <= \result <= 2.08e6;
+    ensures -3.4e13 <= \result <= 3.4e13; */
+vreal kelly_bit_torque(vreal w, vreal muf, vreal a1, vreal a2);
+
 #endif
