@@ -70,7 +70,8 @@ ASSUMED = [
 PLANTED = {
     "off by one in COBS": ("link/frame", "firmware/link/frame.c", "if (at - code_at == GROUP) {", "if (at - code_at == GROUP + 1u) {"),
     "no bound on a received payload": ("link", "firmware/link/frame.c", "if (receiver->size >= KELLY_FRAME_MAX) {", "if (receiver->size > KELLY_FRAME_MAX) {"),
-    "no check of a text's length": ("link", "firmware/link/fields.c", "value.low > f->what >> 4 || ", ""),
+    "no check of a text's length": ("messages", "firmware/link/fields.c", "value.low > f->what >> 4 || ", ""),
+    "a spread that overflows": ("strings", "firmware/realisation.c", "run->cov[parameter] >= LEAST_COV", "run->cov[parameter] > 0.0f"),
     "a logarithm over 0": ("normal", "firmware/random.c", "s >= 0x1.0p-62f && ", ""),
 }
 

@@ -12,17 +12,17 @@
 static kelly_block block;
 static kelly_modes modes;
 
-/* |2 mu f| is at most F = m / 13, so that m bounds what intervals make of the weight between two ticks. The lever of a torque is
- * h/2 (sum of b^2), and F > m / 26: h 2 mu f (sum of b^2) <= 2 2.785 (kelly_realise) leaves a lever of 73 / m. Slices of m go by
+/* |2 mu f| is at most F = m / 13.5, so that m bounds what intervals make of the weight between two ticks. The lever of a torque is
+ * h/2 (sum of b^2), and F > m / 27: h 2 mu f (sum of b^2) <= 2 2.785 (kelly_realise) leaves a lever of 76 / m. Slices of m go by
  * powers of 2, of which all that follows has as many: the ends stand for those between. Of the lightest, h (sum of b^2) <= 2. */
 static real lever_of(real m)
 {
-    return R(73.0) / m < R(1.0) ? R(73.0) / m : R(1.0);
+    return R(76.0) / m < R(1.0) ? R(76.0) / m : R(1.0);
 }
 
 static void any_lane(kelly_lane *on, real m, real a)
 {
-    const real lever = lever_of(m), f = m / R(13.1);
+    const real lever = lever_of(m), f = m / R(13.5);
 
     on->w0 = any_real(0, R(1e4));
     on->ratio = any_real(0, LARGEST_A1 / (2 * a));

@@ -22,7 +22,7 @@ vreal kelly_bit_torque_folded(vreal w, vreal twice_muf, vreal ratio, vreal inver
 
 /* The other form, of the top of variable speed. */
 /*@ requires \is_finite(w) && \is_finite(muf) && \is_finite(a1) && \is_finite(a2);
-    requires -8e6 <= w <= 8e6 && -1.35e8 <= muf <= 0 && 0 <= a1 <= 1000 && 1e-4 <= a2 <= 1.8e7;
+    requires -8e6 <= w <= 8e6 && -1.35e8 <= muf <= 0 && 0 <= a1 <= 1000 && 9.99e-5 <= a2 <= 1.8e7;
     assigns \result \from w, muf, a1, a2;
     ensures \is_finite(\result);
     ensures muf >= -8. ==> -2.08e6 <= \result <= 2.08e6;
