@@ -68,6 +68,9 @@ static void cases(void)
     any_case(any_byte(), any_byte());
     (void)kelly_case_error(&kelly_string, &run);
     run.fc = any_real(-ANY_REAL, ANY_REAL);
+    run.mu = any_real(-ANY_REAL, ANY_REAL);
+    run.f0 = any_real(-ANY_REAL, ANY_REAL);
+    run.ticks = any_u32();
     run.limit = any_real(-ANY_REAL, ANY_REAL);
     run.cov[0] = Frama_C_float_interval(-ANY_FLOAT, ANY_FLOAT);
     run.drive.inertia = any_real(-ANY_REAL, ANY_REAL);
