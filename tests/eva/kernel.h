@@ -18,13 +18,13 @@ static kelly_case run;
 static kelly_draw draw;
 static kelly_modes modes;
 
-/* Steps of low .. 2 low ns. The top turns by KELLY_TURN or, stiff, by 2.8 rad at most. */
+/* Steps of low .. 8 low ns. The top turns by KELLY_TURN or, stiff, by 2.8 rad at most. */
 static void any_checked(uint32_t low, int soft)
 {
     const real most = (soft ? KELLY_TURN : KELLY_IMAGINARY_AXIS) * R(1e9) / (real)low;
 
     run.f0 = any_real(0, R(1e9));
-    run.step_ns = Frama_C_unsigned_int_interval(low, 2 * low);
+    run.step_ns = Frama_C_unsigned_int_interval(low, 8 * low);
     run.ticks = Frama_C_unsigned_int_interval(1, UINT32_MAX);
     run.window_first = Frama_C_unsigned_int_interval(0, UINT32_MAX - 1);
     run.window_last = Frama_C_unsigned_int_interval(1, UINT32_MAX);
