@@ -36,7 +36,7 @@ DRIVERS = {
     "step": (["integrator", "block", "detmath"], f"-eva-precision 1 -eva-slevel 30 -eva-auto-loop-unroll 24 -eva-use-spec {TORQUE},kelly_sin_turn"),
     "driven": (["drive", "detmath"], f"-eva-precision 1 -eva-slevel 30 -eva-auto-loop-unroll 24 -eva-use-spec {UNFOLDED},kelly_sin_turn"),
     "load": (MODEL + ["block", "drive_block", "drive", "integrator"],
-             "-eva-precision 0 -eva-slevel 6 -eva-auto-loop-unroll 24 -eva-use-spec kelly_sin_turn,kelly_phase_step,kelly_block_resync"),
+             "-eva-precision 0 -eva-slevel 6 -eva-min-loop-unroll 10 -eva-split-return full -eva-use-spec kelly_sin_turn,kelly_phase_step,kelly_block_resync"),
     "strings": (MODEL + ["axial", "random"],
                 "-eva-precision 1 -eva-slevel 30 -eva-auto-loop-unroll 24 -eva-split-return full -eva-use-spec kelly_normal,kelly_sin_turn"),
     "statistics": ("tally link/crc32c".split(), "-eva-precision 0 -eva-slevel 10 -eva-auto-loop-unroll 64"),
