@@ -30,7 +30,7 @@ DRIVERS = {
     "math": (["detmath"], "-eva-precision 3 -eva-min-loop-unroll 25 -eva-slevel 60"),
     "exp": (["detmath"], "-eva-precision 0"),
     "sine": (["detmath"], "-eva-precision 1 -eva-slevel 50 -eva-split-return full"),
-    "normal": (["detmath"], "-eva-precision 3 -eva-slevel 100"),
+    "normal": (["detmath"], "-eva-precision 3 -eva-slevel 100 -eva-split-return full"),
     "random": (["random", "detmath"], "-eva-precision 3 -eva-auto-loop-unroll 128 -eva-use-spec kelly_normal"),
     "torque": (["detmath"], "-eva-precision 0 -eva-slevel 20"),
     "step": (["integrator", "block", "detmath"], f"-eva-precision 1 -eva-slevel 30 -eva-auto-loop-unroll 24 -eva-use-spec {TORQUE},kelly_sin_turn"),
