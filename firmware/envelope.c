@@ -5,6 +5,7 @@
 #define TARGETS 3
 #define GRAIN R(0.3)             /* 3 pi / 0.3 = 31 clusters at least, about 60 as neighbours that just do not fit remain apart */
 #define KEEP 72u                 /* clusters left by a pass at most: the rest is room for values to come */
+#define LARGEST R(1e14)            /* 2^24 squares of twice as much do not overflow */
 #define COUNT_MAX 16777216u      /* 2^24: every rank is exact in float */
 
 static const real targets[TARGETS] = { R(0.025), R(0.5), R(0.975) };
@@ -99,7 +100,7 @@ int kelly_envelope_add(kelly_envelope *e, real x)
 {
     uint32_t at;
 
-    if (!(x > R(-1e18) && x < R(1e18)) || e->n >= COUNT_MAX) {
+    if (!(x > -LARGEST && x < LARGEST) || e->n >= COUNT_MAX) {
         return 0;
     }
     if (e->used == KELLY_CLUSTERS) {

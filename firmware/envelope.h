@@ -40,7 +40,7 @@ typedef struct {
 
 void kelly_envelope_clear(kelly_envelope *envelope);
 
-/* Take a value. 0, and nothing changed, where it is not a finite number below 1e18 or n has reached 2^24. */
+/* Take a value. 0, and nothing changed, where it is not a finite number below 1e14 or n has reached 2^24. */
 int kelly_envelope_add(kelly_envelope *envelope, real x);
 
 /* Quantile p, 0 <= p <= 1, interpolated between the middles of the clusters; only the three above carry the bound. 0 while n is 0. */

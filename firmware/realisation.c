@@ -188,7 +188,7 @@ real kelly_largest_step(const kelly_table *table, const kelly_case *run, const k
     on_real = KELLY_REAL_AXIS / lambda;
     on_imaginary = KELLY_IMAGINARY_AXIS * R(0.999999) * (real)kelly_sqrt32((float)(1 / w2));   /* a float's rounding below it */
     on_real = on_real < on_imaginary ? on_real : on_imaginary;
-    return run->drive.inertia > 0 && on_real * draw->w0 > KELLY_TURN ? KELLY_TURN * R(0.999999) / draw->w0 : on_real;
+    return run->drive.inertia > 0 && draw->w0 > KELLY_TURN / on_real ? KELLY_TURN * R(0.999999) / draw->w0 : on_real;
 }
 
 int kelly_lifts_off(const kelly_case *run, const kelly_draw *draw)

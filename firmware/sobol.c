@@ -3,6 +3,7 @@
 #include "random.h"
 
 #define T_31 W(2.039513446396408)   /* Student's t, 97.5 %, 31 degrees of freedom */
+#define LEAST_VARIANCE W(1e-30)      /* f that varies by less does not vary; a quotient by more is finite */
 
 /* Square root by Newton's method from above: no float is enough where wide is double. 60 steps are enough from
  * x = 1e-30 on; 0 where x is not positive. */
@@ -114,7 +115,7 @@ static int indices(const kelly_sobol_sums *sum, wide *first, wide *total)
 {
     const wide n = (wide)sum->n, v = variance(sum), mean = sum->ab / (2 * n);
 
-    if (!(v > 0)) {
+    if (!(v > LEAST_VARIANCE)) {
         return 0;
     }
     *first = (sum->bd[0] - mean * sum->d[0]) / (n * v);

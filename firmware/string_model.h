@@ -30,7 +30,7 @@ typedef struct {
 } kelly_drive;
 
 /* What is run: one operating point, its uncertainty and its time grid. All times are whole steps.
- * No value on the way overflows, in float, for draws with mu (fc + f0) <= 5e6 N m, mu, a1 <= 1800, 1e-6 <= a2 <= 1.8e7 and w0 <= 1e4
+ * No value on the way overflows, in float, for draws with mu (fc + f0) <= 5e6 N m, mu <= 1800, a1 <= 1000, 1e-4 <= a2 <= 1.8e7 and w0 <= 1e4
  * (proved: tests/eva). What overflows beyond that is refused, as nonfinite or for its step, and counted as such. */
 typedef struct {
     real fc;                      /* mean weight on bit |f_c| [N], > 0 */

@@ -70,6 +70,7 @@ GATES = {
     "board-coverage": ("prove", 600, f"{PYTHON} tests/check_board_coverage.py"),
     "mutants": ("prove", 1500, f"nice -n 10 {PYTHON} tests/mutate.py --mutants 60"),
     "all-mutants": ("campaign", 36000, f"nice -n 10 {PYTHON} tests/mutate.py --mutants 300"),
+    "eva": ("prove", 1500, f"{PYTHON} tests/check_eva.py"),
 }
 GROUPS = ("test", "prove", "campaign")
 FIGURE = re.compile(r"figure: ([^|:]+): ([^|]+)")

@@ -160,7 +160,6 @@ static int take_bytes(kelly_bench *bench)
 
 _Noreturn void bench_loop(kelly_bench *bench)
 {
-    //@ dynamic_split bench->state;
     for (;;) {
         const uint32_t from = board_count();
         int busy;

@@ -72,6 +72,7 @@ static pair bits_of(real value)
     } else if (exponent == BIAS_STEP && fraction == 0) {
         exponent = 0;
     } else if (exponent == BIAS_STEP) {          /* subnormal as a float, normal as a double */
+        //@ loop unroll 24;
         for (exponent++; fraction < 0x800000u; exponent--) {
             fraction <<= 1;
         }
@@ -134,7 +135,7 @@ void kelly_set_text(char *to, size_t room, const char *from)
 {
     size_t n = 0;
 
-    for (; n + 1 < room && from[n] != '\0'; n++) {
+    for (; n < room - 1 && from[n] != '\0'; n++) {
         to[n] = from[n];
     }
     to[n] = '\0';

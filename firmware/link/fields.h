@@ -26,7 +26,7 @@ size_t kelly_put_fields(uint8_t *to, const void *from, const kelly_field *fields
  * build, a text as above. 0 if not, and then `to` is not to be read. */
 int kelly_get_fields(const uint8_t *body, size_t size, void *to, const kelly_field *fields, size_t count);
 
-/* What fits of `from` in a field text<room - 1>, 00 included. */
+/* What fits of `from` in a field text<room - 1>, 00 included; room >= 1. */
 void kelly_set_text(char *to, size_t room, const char *from);
 
 #endif

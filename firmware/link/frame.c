@@ -73,7 +73,6 @@ static int drop(kelly_receiver *receiver, uint8_t inside)
 static int finish(kelly_receiver *receiver)
 {
     const uint8_t begun = receiver->inside && receiver->code != 0, broken = receiver->left != 0;
-    const size_t size = receiver->size;
 
     receiver->inside = 1;
     receiver->code = 0;
@@ -82,7 +81,11 @@ static int finish(kelly_receiver *receiver)
     if (!begun) {
         return 0;
     }
-    if (broken || receiver->size < KELLY_FRAME_MIN || word_at(receiver->payload + size - 4) != kelly_crc32c(0, receiver->payload, size - 4)) {
+    if (broken || receiver->size < KELLY_FRAME_MIN) {
+        return drop(receiver, 1);
+    }
+    const size_t size = receiver->size;
+    if (word_at(receiver->payload + size - 4) != kelly_crc32c(0, receiver->payload, size - 4)) {
         return drop(receiver, 1);
     }
     receiver->good++;

@@ -13,11 +13,6 @@
     ensures 0x4000000000000000 <= phase <= 0x7c00000000000000 ==> \result >= 0.09; */
 real kelly_sin_turn(uint64_t phase);
 
-/*@ requires \is_finite(x);
-    assigns \result \from x;
-    ensures \is_finite(\result) && -3.1e307 <= \result <= 3.1e307; */
-wide kelly_exp(wide x);
-
 /*@ requires \valid(rng);
     assigns \result, *rng \from *rng;
     ensures \is_finite(\result) && -200 <= \result <= 200; */

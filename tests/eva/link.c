@@ -27,6 +27,7 @@ static void bytes(void)
     if (got > 0) {
         (void)kelly_received_type(&receiver);
         (void)kelly_received_seq(&receiver);
+        receiver.size = Frama_C_unsigned_short_interval(KELLY_FRAME_MIN, KELLY_FRAME_MAX);   /* what a complete frame has */
         (void)kelly_received_body(&receiver, &size);
         //@ assert size <= KELLY_FRAME_MAX - KELLY_FRAME_MIN;
     }
@@ -50,7 +51,10 @@ static void texts(void)
 
     ANY(from);
     from[63] = '\0';
-    kelly_set_text(to, Frama_C_size_t_interval(1, sizeof(to)), from);
+    //@ loop unroll 33;
+    for (size_t room = 1; room <= sizeof(to); room++) {
+        kelly_set_text(to, room, from);
+    }
     values.known = any_u32();
     values.activity = any_u32();
     values.date = any_u32();

@@ -19,6 +19,9 @@ static float unit_of(unsigned slice)
 
 int main(void)
 {
+    kelly_rng rng = { { any_u32(), any_u32(), any_u32(), any_u32() } };
+
+    (void)kelly_normal(&rng);
     //@ loop unroll 18;
     for (unsigned a = 0; a < 18; a++) {
         //@ loop unroll 18;

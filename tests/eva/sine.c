@@ -12,14 +12,17 @@ int main(void)
         s = kelly_sin_turn(from);
         //@ assert -1.01 <= s <= 1.01;
         //@ assert quarter == 1 ==> s >= 0.09;
+        s = kelly_sin_turn(from + ((uint64_t)1 << 61));
+        //@ assert -1.01 <= s <= 1.01;
+        //@ assert quarter == 1 ==> s >= 0.09;
         //@ loop unroll 62;
         for (unsigned k = 0; k < 61; k++) {
             const uint64_t low = (uint64_t)1 << k;
 
-            s = kelly_sin_turn(from + Frama_C_unsigned_long_long_interval(low, 2 * low));
+            s = kelly_sin_turn(from + Frama_C_unsigned_long_long_interval(low, 2 * low - 1));
             //@ assert -1.01 <= s <= 1.01;
             //@ assert quarter == 1 ==> s >= 0.09;
-            s = kelly_sin_turn(from - Frama_C_unsigned_long_long_interval(low, 2 * low));
+            s = kelly_sin_turn(from - Frama_C_unsigned_long_long_interval(low, 2 * low - 1));
             //@ assert -1.01 <= s <= 1.01;
             //@ assert quarter == 2 && k >= 58 ==> s >= 0.09;
         }

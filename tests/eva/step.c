@@ -7,16 +7,22 @@
 #include "torque.h"
 
 #define SPEED 1e7f                       /* [rad/s] of the stages, torque-free */
-#define STATE 1e12f                      /* of a mode, times its weight in the speed: SPEED / 20 */
+#define MOST (2 * SPEED / KELLY_MODES_MAX)   /* [rad/s] what one mode has in it: its state times its weight */
 
 static kelly_block block;
 static kelly_modes modes;
 
-/* |2 mu f| is at most F = m / 13, so that m bounds what intervals make of the weight between two ticks. The lever of a torque is
- * h/2 (sum of b^2), and F > m / 52: h 2 mu f (sum of b^2) <= 2 2.785 (kelly_realise) leaves a lever below 145 / m. */
+/* |2 mu f| is at most F = m / 13.5, so that m bounds what intervals make of the weight between two ticks. The lever of a torque is
+ * h/2 (sum of b^2), and F > m / 27: h 2 mu f (sum of b^2) <= 2 2.785 (kelly_realise) leaves a lever of 76 / m. Slices of m go by
+ * powers of 2, of which all that follows has as many: the ends stand for those between. Of the lightest, h (sum of b^2) <= 2. */
+static real lever_of(real m)
+{
+    return R(76.0) / m < R(1.0) ? R(76.0) / m : R(1.0);
+}
+
 static void any_lane(kelly_lane *on, real m, real a)
 {
-    const real lever = R(145.0) / m < R(10.0) ? R(145.0) / m : R(10.0), f = m / R(13.1);
+    const real lever = lever_of(m), f = m / R(13.5);
 
     on->w0 = any_real(0, R(1e4));
     on->ratio = any_real(0, LARGEST_A1 / (2 * a));
@@ -28,7 +34,7 @@ static void any_lane(kelly_lane *on, real m, real a)
     on->wave = any_real(-f, f);
     on->dwave = any_real(-2 * f, 2 * f);
     on->muf = any_real(-f, 0);
-    on->t1 = any_real(-m * R(2.6e7), m * R(2.6e7));
+    on->t1 = any_real(-m * R(1e6), m * R(1e6));
     on->g1 = any_real(0, lever);
     on->twice_g1 = any_real(0, 2 * lever);
     on->g2 = any_real(-lever * R(1.4), 0);
@@ -42,34 +48,35 @@ static void any_lane(kelly_lane *on, real m, real a)
     on->highest = any_real(-SPEED, SPEED);
 }
 
-static void any_mode(kelly_mode *mode)
+/* `weight` is what a unit of torque adds to the speed through one mode in a step, at most: a third of the lever. */
+static void any_mode(kelly_mode *mode, real weight)
 {
     mode->w4 = any_real(0, R(1.96));
     mode->d00 = any_real(R(-2.0), R(2.0));
     mode->d01 = any_real(R(-8.0), R(8.0));
     mode->d10 = any_real(R(-2.0), R(2.0));
     mode->d11 = any_real(R(-2.0), R(2.0));
-    mode->m0 = mode->m1 = mode->m2 = mode->m3 = any_real(R(-10.0), R(10.0));
-    mode->xi = any_real(-STATE, STATE);
-    mode->zeta = any_real(-STATE, STATE);
+    mode->m0 = mode->m1 = mode->m2 = mode->m3 = any_real(-weight, weight);
+    mode->xi = any_real(-MOST / weight, MOST / weight);
+    mode->zeta = any_real(-MOST / weight, MOST / weight);
 }
 
-static void any_slow(kelly_slow_mode *mode)
+static void any_slow(kelly_slow_mode *mode, real weight)
 {
     mode->t = any_real(R(-0.3), R(0.3));
     mode->d = any_real(0, R(0.01));
-    mode->g = any_real(0, R(1.0));
-    mode->m = any_real(0, R(0.01));
+    mode->g = any_real(0, weight);
+    mode->m = any_real(0, R(0.01) * weight);
     mode->w4 = any_real(0, R(0.001));
-    mode->v = any_real(-STATE, STATE);
-    mode->x = any_real(-STATE, STATE);
+    mode->v = any_real(-MOST / weight, MOST / weight);
+    mode->x = any_real(-MOST / weight, MOST / weight);
 }
 
 static void any_block(unsigned full, real m, real a)
 {
     block.h = any_real(R(1e-6), R(1.0));
-    block.al = any_real(0, full ? R(1.0) : R(3.2e-4));
-    block.be = any_real(0, R(100.0));
+    block.al = any_real(0, full ? R(0.1) : R(3.2e-4));
+    block.be = any_real(0, R(0.5));
     block.vectors = 1;
     block.full = full;
     block.phase_step[0] = Frama_C_unsigned_long_long_interval(0, 0x7200000000000000);
@@ -80,9 +87,9 @@ static void any_block(unsigned full, real m, real a)
         modes.b[i] = any_real(R(1e-4), R(1.0));
         modes.d[i] = any_real(R(-1e4), R(1e4));
         if (full) {
-            any_mode(&block.mode[0][i]);
+            any_mode(&block.mode[0][i], lever_of(m) / 3);
         } else {
-            any_slow(&block.slow[0][i]);
+            any_slow(&block.slow[0][i], lever_of(m) / 3);
         }
     }
     block.modes = modes.count = Frama_C_unsigned_int_interval(1, KELLY_MODES_MAX);
@@ -105,9 +112,9 @@ static void at_exact_phase(void)
 
 int main(void)
 {
-    real a = R(1e-6);
+    real a = R(1e-4);
 
-    //@ loop unroll 11;
+    //@ loop unroll 9;
     for (unsigned j = 0; j < SLICES_A; j++) {
         step(1, LEAST_M, a);
         step(1, LARGEST_M, a);

@@ -7,7 +7,7 @@ static kelly_case run;
 static kelly_draw draw;
 static kelly_modes modes;
 
-static void any_case(void)
+static void any_case(uint8_t torsional, uint8_t axial)
 {
     run.fc = any_real(R(1e-30), R(1e9));
     run.mu = any_real(R(1e-30), R(100.0));
@@ -23,8 +23,8 @@ static void any_case(void)
     run.ticks = Frama_C_unsigned_int_interval(1, UINT32_MAX);
     run.window_first = any_u32();
     run.window_last = any_u32();
-    run.torsional = Frama_C_unsigned_char_interval(1, 10);
-    run.axial = Frama_C_unsigned_char_interval(1, 11);
+    run.torsional = torsional;
+    run.axial = axial;
     run.rotating = Frama_C_unsigned_char_interval(0, 1);
     run.drive.inertia = Frama_C_nondet(0, 1) ? 0 : any_real(R(1.0), R(1e12));
     run.drive.impedance = any_real(R(1e-30), R(1e12));
@@ -65,9 +65,12 @@ static void tables(void)
 
 static void cases(void)
 {
-    any_case();
+    any_case(any_byte(), any_byte());
     (void)kelly_case_error(&kelly_string, &run);
     run.fc = any_real(-ANY_REAL, ANY_REAL);
+    run.mu = any_real(-ANY_REAL, ANY_REAL);
+    run.f0 = any_real(-ANY_REAL, ANY_REAL);
+    run.ticks = any_u32();
     run.limit = any_real(-ANY_REAL, ANY_REAL);
     run.cov[0] = Frama_C_float_interval(-ANY_FLOAT, ANY_FLOAT);
     run.drive.inertia = any_real(-ANY_REAL, ANY_REAL);
@@ -75,15 +78,15 @@ static void cases(void)
     run.step_ns = any_u32();
     run.torsional = any_byte();
     (void)kelly_case_error(&kelly_string, &run);
-    any_case();
+    any_case(1, 1);
     kelly_draw_nominal(&run, &draw);
     kelly_draw_sample(&run, any_u64(), any_u32(), &draw);
     (void)kelly_lifts_off(&run, &draw);
 }
 
-static void rates(void)
+static void rates(uint8_t torsional)
 {
-    any_case();
+    any_case(torsional, 1);
     any_draw();
     (void)kelly_realise(&kelly_string, &run, &draw, &modes);
     if (kelly_modes_at(&kelly_string, any_real(R(-1e30), R(1e30)), run.torsional, &modes)) {
@@ -93,16 +96,16 @@ static void rates(void)
     }
 }
 
-static void axial(void)
+static void axial(uint8_t count)
 {
     kelly_axial axial;
     const real f[4] = { any_real(R(-2e9), R(2e9)), any_real(R(-2e9), R(2e9)), any_real(R(-2e9), R(2e9)), any_real(R(-2e9), R(2e9)) };
 
-    any_case();
+    any_case(1, count);
     any_draw();
     (void)kelly_axial_largest_step(&kelly_string, &run, &draw);
     if (kelly_axial_start(&axial, &kelly_string, &run, &draw) == KELLY_OK) {
-        for (unsigned j = 0; j < axial.count; j++) {
+        for (unsigned j = 0; j < count; j++) {
             axial.p[j] = any_real(R(-1e9), R(1e9));
             axial.v[j] = any_real(R(-1e9), R(1e9));
         }
@@ -116,7 +119,13 @@ int main(void)
 {
     tables();
     cases();
-    rates();
-    axial();
+    //@ loop unroll 10;
+    for (uint8_t k = 1; k <= 10; k++) {
+        rates(k);
+    }
+    //@ loop unroll 11;
+    for (uint8_t k = 1; k <= 11; k++) {
+        axial(k);
+    }
     return 0;
 }

@@ -1,35 +1,62 @@
 /* What torque.h says of kelly_bit_torque_folded, over all that it requires, in slices of its sizes. */
 #include "bitrock.h"
 
+/* The other form; a2 of 1.8e7 down to 1e-4. */
+static void unfolded(real w, real a2)
+{
+    const real a1 = any_real(0, R(1000.0));
+    real t = kelly_bit_torque(w, any_real(R(-8.0), 0), a1, a2);
+
+    //@ assert -2.08e6 <= t <= 2.08e6;
+    t = kelly_bit_torque(-w, any_real(R(-8.0), 0), a1, a2);
+    //@ assert -2.08e6 <= t <= 2.08e6;
+    t = kelly_bit_torque(w, any_real(R(-134217728.0), 0), a1, a2);
+    //@ assert -3.4e13 <= t <= 3.4e13;
+    t = kelly_bit_torque(-w, any_real(R(-134217728.0), 0), a1, a2);
+    //@ assert -3.4e13 <= t <= 3.4e13;
+}
+
 static void slice(float w_low, float w_high, float inverse)
 {
-    const real inverses = any_real(inverse, 4 * inverse), ratio = any_real(0, 8.95e6f * sqrtf(inverse));
+    const real inverses = any_real(inverse, 4 * inverse), ratio = any_real(0, 4.52e5f * sqrtf(inverse));
     const real w = any_real(w_low, w_high);
     real t = kelly_bit_torque_folded(w, any_real(R(-8.0), 0), ratio, inverses);
 
-    //@ assert -2.1e8 <= t <= 2.1e8;
+    //@ assert -8e6 <= t <= 8e6;
     t = kelly_bit_torque_folded(-w, any_real(R(-8.0), 0), ratio, inverses);
-    //@ assert -2.1e8 <= t <= 2.1e8;
+    //@ assert -8e6 <= t <= 8e6;
     t = kelly_bit_torque_folded(w, any_real(R(-134217728.0), 0), ratio, inverses);
-    //@ assert -3.5e15 <= t <= 3.5e15;
+    //@ assert -1.35e14 <= t <= 1.35e14;
     t = kelly_bit_torque_folded(-w, any_real(R(-134217728.0), 0), ratio, inverses);
-    //@ assert -3.5e15 <= t <= 3.5e15;
+    //@ assert -1.35e14 <= t <= 1.35e14;
+    if (w_high <= 8e6f && inverse >= 1.3e-8f && inverse <= 1.1e4f) {
+        unfolded(w, any_real(1 / (4 * inverse), 1 / inverse));
+    }
+}
+
+/* Sizes of w: q changes fast between 1 and the end of tanh, so the slices are finer there. */
+static void sizes(float inverse)
+{
+    float w = 0x1p-14f;
+
+    slice(0, w, inverse);
+    //@ loop unroll 45;
+    for (unsigned j = 0; j < 45; j++) {
+        float next = w * (w < 0.25f || w > 10.0f ? 4.0f : 1.1875f);
+
+        next = next < 6.8e10f ? next : 6.8e10f;
+        slice(w, next, inverse);
+        w = next;
+    }
 }
 
 int main(void)
 {
-    float inverse = 4e-9f;
+    float inverse = 1.5e-8f;
 
-    //@ loop unroll 24;
-    for (unsigned i = 0; i < 24; i++) {
-        float w = 0x1p-14f;
-
-        slice(0, w, inverse);
-        //@ loop unroll 25;
-        for (unsigned j = 0; j < 25; j++) {
-            slice(w, 4 * w, inverse);
-            w *= 4;
-        }
+    //@ loop unroll 20;
+    for (unsigned i = 0; i < 20; i++) {
+        sizes(inverse);
         inverse *= 4;
     }
     return 0;

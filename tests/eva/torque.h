@@ -7,17 +7,26 @@
 
 #define LEAST_M R(8.0)                   /* 2 mu |f| [N m]: the slices between are these times a power of 2, and so is all that follows */
 #define LARGEST_M R(134217728.0)
-#define SLICES_A 11                      /* a2: 1e-6 .. 2e-5, .. to 2e8 s2/rad2 */
-#define LARGEST_A1 1800                  /* 18 times 100: what cov 0.5 may draw */
+#define SLICES_A 9                       /* a2: 1e-4 .. 2e-3, .. to 5e7 s2/rad2 */
+#define LARGEST_A1 1000                  /* [s/rad] */
 
-/* Of a1 / (2 a2) and 1 / a2 with a1 <= LARGEST_A1, a2 >= 1e-6. */
+/* Of a1 / (2 a2) and 1 / a2 with a1 <= LARGEST_A1, a2 >= 1e-4. */
 /*@ requires \is_finite(w) && \is_finite(twice_muf) && \is_finite(ratio) && \is_finite(inverse);
-    requires -6.8e10 <= w <= 6.8e10 && -1.35e8 <= twice_muf <= 0 && 0 <= ratio <= 9.1e8 && 4e-9 <= inverse <= 1.1e6;
-    requires ratio * ratio <= 2e13 * inverse;
+    requires -6.8e10 <= w <= 6.8e10 && -1.35e8 <= twice_muf <= 0 && 0 <= ratio <= 5.1e6 && 1.5e-8 <= inverse <= 1.1e4;
+    requires ratio * ratio <= 5.1e10 * inverse;
     assigns \result \from w, twice_muf, ratio, inverse;
     ensures \is_finite(\result);
-    ensures twice_muf >= -8. ==> -2.1e8 <= \result <= 2.1e8;
-    ensures -3.5e15 <= \result <= 3.5e15; */
+    ensures twice_muf >= -8. ==> -8e6 <= \result <= 8e6;
+    ensures -1.35e14 <= \result <= 1.35e14; */
 vreal kelly_bit_torque_folded(vreal w, vreal twice_muf, vreal ratio, vreal inverse);
+
+/* The other form, of the top of variable speed. */
+/*@ requires \is_finite(w) && \is_finite(muf) && \is_finite(a1) && \is_finite(a2);
+    requires -8e6 <= w <= 8e6 && -1.35e8 <= muf <= 0 && 0 <= a1 <= 1000 && 9.99e-5 <= a2 <= 1.8e7;
+    assigns \result \from w, muf, a1, a2;
+    ensures \is_finite(\result);
+    ensures muf >= -8. ==> -2.08e6 <= \result <= 2.08e6;
+    ensures -3.4e13 <= \result <= 3.4e13; */
+vreal kelly_bit_torque(vreal w, vreal muf, vreal a1, vreal a2);
 
 #endif
