@@ -1,4 +1,5 @@
-/* rare.c - see rare.h. Au and Beck, Probabilistic Engineering Mechanics 16 (2001) 263-277; conditional sampling: Papaioannou, Betz, Zwirglmaier and Straub, ibid. 41 (2015) 89-103. */
+/* rare.c - see rare.h. Au and Beck, Probabilistic Engineering Mechanics 16 (2001) 263-277; conditional sampling: Papaioannou, Betz,
+ * Zwirglmaier and Straub, ibid. 41 (2015) 89-103. */
 #include "rare.h"
 
 #include "detmath.h"
@@ -13,7 +14,6 @@
 #define STRAIGHT 3u              /* where a hint leads, every third move is straight, for what the hint does not see */
 #define MISLED 5u                /* a hint by which fewer than one in so many moves is accepted leads no more */
 #define STILL 10u                /* a level must accept one move in so many */
-#define WIDER W(1.25)            /* seen: 92 % coverage without, see kelly_rare_read */
 #define STREAM UINT64_C(0x7261726500000000)    /* "rare": keeps the walk's streams off those of the first level */
 
 /* ---- order --------------------------------------------------------------------------------------------------------- */
@@ -245,17 +245,6 @@ static void adapt(kelly_rare *rare)
 
 /* ---- from level to level ------------------------------------------------------------------------------------------- */
 
-/* P of the present level's event. */
-static wide product(const kelly_rare *rare)
-{
-    wide p = 1;
-
-    for (uint32_t i = 0; i <= rare->level; i++) {
-        p *= (wide)rare->levels[i].inside / (wide)rare->n;
-    }
-    return p;
-}
-
 /* Whether the chains of this level can be believed. */
 static kelly_rare_state judge(const kelly_rare *rare)
 {
@@ -278,11 +267,11 @@ static kelly_rare_state end_level(kelly_rare *rare)
     if (level->failed >= rare->chains) {
         measure(rare, KELLY_RARE_FAILED);
         rare->distinct = count_distinct(rare);
-        return rare->level > 0 && product(rare) < KELLY_RARE_LEAST ? KELLY_RARE_TOO_RARE :
+        return rare->level > 0 && kelly_rare_product(rare) < KELLY_RARE_LEAST ? KELLY_RARE_TOO_RARE :
                rare->level > 0 && rare->distinct < KELLY_RARE_DISTINCT ? KELLY_RARE_FEW : KELLY_RARE_DONE;
     }
     measure(rare, kth_guide(rare, rare->chains));
-    if (product(rare) < W(1.01) * KELLY_RARE_LEAST) {      /* and P lies below it */
+    if (kelly_rare_product(rare) < W(1.01) * KELLY_RARE_LEAST) {      /* and P lies below it */
         return level->failed > 0 ? KELLY_RARE_TOO_RARE : KELLY_RARE_NO_FAILURE;
     }
     return rare->level + 1 < KELLY_RARE_LEVELS ? KELLY_RARE_RUNNING : KELLY_RARE_DEEP;
@@ -362,43 +351,4 @@ void kelly_rare_lead(kelly_rare *rare, kelly_rare_hint hint, const void *of)
     rare->hint = hint;
     rare->of = of;
     rare->leads = 1;
-}
-
-/* ---- the answer ---------------------------------------------------------------------------------------------------- */
-
-/* The levels' variances add; the logarithm is taken as normal. Au and Beck's spread covered 92 % of what it should have
- * in 240 runs of five cases, as chains that share an ancestor agree more than it knows: hence WIDER. */
-void kelly_rare_read(const kelly_rare *rare, kelly_rare_estimate *out)
-{
-    const kelly_rare_level *const level = &rare->levels[rare->level];
-    wide variance = 0, width;
-
-    for (uint32_t i = 0; i <= rare->level; i++) {
-        variance += rare->levels[i].variance;
-    }
-    *out = (kelly_rare_estimate){ .probability = product(rare), .cov = (wide)kelly_sqrt32((float)variance), .plain = rare->level == 0 };
-    if (out->plain) {
-        const uint32_t counted = rare->n - level->refused;
-
-        out->probability = (wide)level->failed / (wide)counted;
-        out->lo = kelly_binomial_lo(level->failed, rare->n, W(0.025));
-        out->hi = kelly_binomial_hi(level->failed + level->refused, rare->n, W(0.025));
-        return;
-    }
-    width = kelly_exp(W(1.96) * WIDER * (wide)kelly_sqrt32((float)kelly_log(1 + variance)));
-    out->cov *= WIDER;
-    out->lo = out->probability / width;
-    out->hi = out->probability * width < 1 ? out->probability * width : 1;
-}
-
-const char *kelly_rare_reason(kelly_rare_state state)
-{
-    static const char *const reasons[KELLY_RARE_OUTCOMES] = {
-        "not over yet", "done", "no failure was found down to a probability of 1e-9", "the probability is below 1e-9",
-        "fewer than 50 different failures in the last level: give more samples a level",
-        "fewer than a tenth of the moves of a level were accepted: give more samples a level",
-        "more than 12 levels", "realisations were refused that may be failures: give a shorter step",
-    };
-
-    return (unsigned)state < KELLY_RARE_OUTCOMES ? reasons[state] : "no such state";
 }

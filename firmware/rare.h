@@ -18,6 +18,8 @@
  *             over the laws within hint > level, softened, proposes; a realisation decides. It goes far and is accepted about every
  *             second time, where straight moves creep. It cannot make an answer wrong, only slow: the moves keep the law of
  *             the event whatever the hint is, and one by which fewer than a fifth are accepted leads no more.
+ *             On a plane in five normals at 1e-6 (2400 a level, 100 seeds) the spread is 0.22 with a good hint, 0.25 with a blurred
+ *             one, 0.29 with none, 0.39 with one that points the other way.
  *
  * A first level with n / 10 failures is plain Monte Carlo, and read as such: its draws are those of kelly_run for the same seed.
  *
@@ -120,6 +122,9 @@ void kelly_rare_accept(kelly_rare *rare);
 
 /* The answer of a run that is KELLY_RARE_DONE. */
 void kelly_rare_read(const kelly_rare *rare, kelly_rare_estimate *out);
+
+/* For rare.c: P of the present level's event. */
+wide kelly_rare_product(const kelly_rare *rare);
 
 /* For rare.c: level of the hint that stands for the present event, from the seeds, the first `chains` samples. */
 void kelly_rare_aim(kelly_rare *rare);

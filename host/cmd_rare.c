@@ -10,6 +10,7 @@
 
 #define DEFAULT_SAMPLES 2400u
 #define NEAR 0.02                /* a top speed this near 60 f_i, as a ratio, counts as resonance */
+#define SHOWN 0.01               /* least share of the failures that is told */
 
 /* One run. */
 typedef struct {
@@ -18,7 +19,7 @@ typedef struct {
     uint32_t samples;            /* a level */
     kelly_rare rare;
     kelly_rare_estimate answer;
-    kelly_tally tally;           /* of all realisations in the order of proposal: the digest */
+    outcome out;                 /* all realisations, their index the order of proposal */
     kelly_draw *draws;
     journal log;
     double seconds;
@@ -43,8 +44,8 @@ static void take_batch(void *context, uint32_t first, uint32_t count, const void
 
     for (uint32_t i = 0; i < count; i++) {
         s->rare.samples[s->rare.first + first + i].guide = kelly_rare_guide(&kelly_string, &s->opts->run, &r[i]);
-        kelly_tally_add(&s->tally, s->tally.samples, &r[i]);
     }
+    outcome_take(&s->out, s->out.tally.samples, count, results);
 }
 
 /* Run what the kernel has proposed; each proposal is an ensemble of its own for run_job. */
@@ -120,7 +121,6 @@ static void run_search(search *s)
 /* ---- where the failures lie ---------------------------------------------------------------------------------- */
 
 typedef struct {
-    uint32_t count;
     double mean, sd, low, median, high;   /* 2.5, 50, 97.5 % */
 } place;
 
@@ -133,9 +133,7 @@ static double parameter(const kelly_draw *draw, unsigned k)
 
 static int ascending(const void *a, const void *b)
 {
-    const double x = *(const double *)a, y = *(const double *)b;
-
-    return (x > y) - (x < y);
+    return (*(const double *)a > *(const double *)b) - (*(const double *)a < *(const double *)b);
 }
 
 /* Parameter k of the failures of the last level, ascending, into list; returns their number. */
@@ -157,7 +155,7 @@ static uint32_t failures(const search *s, unsigned k, double *list)
 
 static place place_of(const double *list, uint32_t n)
 {
-    place p = { .count = n, .low = list[n * 25 / 1000], .median = list[n / 2], .high = list[n - 1 - n * 25 / 1000] };
+    place p = { .low = list[n * 25 / 1000], .median = list[n / 2], .high = list[n - 1 - n * 25 / 1000] };
 
     for (uint32_t i = 0; i < n; i++) {
         p.mean += list[i] / n;
@@ -169,25 +167,21 @@ static place place_of(const double *list, uint32_t n)
     return p;
 }
 
-/* 60 f_i nearest to `rpm` at the mean weight, and the share of the failures near it: a narrow peak there means resonance of the
- * weight with a torsional mode. */
-static double resonance(const search *s, double rpm, const double *list, uint32_t n, double *share)
+/* 60 f_i of mode i at the mean weight, and the share of the n failures with a top speed near it: a narrow peak there is resonance of the
+ * weight with the string. */
+static double resonance(const search *s, unsigned i, const double *rpm, uint32_t n, double *share)
 {
     kelly_modes modes = { 0 };
-    double best = 0;
     uint32_t near = 0;
+    double at;
 
     (void)kelly_modes_at(&kelly_string, s->opts->run.fc, s->opts->run.torsional, &modes);
-    for (unsigned i = 0; i < modes.count; i++) {
-        const double at = sqrt((double)modes.w2[i]) / RPM;
-
-        best = i == 0 || fabs(at - rpm) < fabs(best - rpm) ? at : best;
-    }
-    for (uint32_t i = 0; i < n; i++) {
-        near += fabs(list[i] - best) <= NEAR * best;
+    at = sqrt((double)modes.w2[i]) / RPM;
+    for (uint32_t k = 0; k < n; k++) {
+        near += fabs(rpm[k] - at) <= NEAR * at;
     }
     *share = (double)near / n;
-    return best;
+    return at;
 }
 
 /* ---- results ------------------------------------------------------------------------------------------------- */
@@ -208,6 +202,12 @@ static void write_levels(FILE *to, const search *s)
     for (uint32_t i = 1; i <= s->rare.level; i++) {
         fprintf(to, "%s%.6g", i > 1 ? ", " : "", acceptance(&s->rare.levels[i]));
     }
+    fputs("],\n  \"acceptance_led\": [", to);
+    for (uint32_t i = 1; i <= s->rare.level; i++) {
+        const kelly_rare_level *const l = &s->rare.levels[i];
+
+        fprintf(to, "%s%.6g", i > 1 ? ", " : "", l->led > 0 ? (double)l->led_accepted / l->led : 0.0);
+    }
     fputs("],\n  \"refused_by_level\": [", to);
     for (uint32_t i = 0; i <= s->rare.level; i++) {
         fprintf(to, "%s%u", i ? ", " : "", s->rare.levels[i].refused);
@@ -223,26 +223,36 @@ static void write_levels(FILE *to, const search *s)
     fputs("  ],\n", to);
 }
 
+/* Resonances with failures near them; `list` holds the rpm of n > 0 failures. */
+static void write_resonances(FILE *to, const search *s, const double *list, uint32_t n)
+{
+    const char *comma = "";
+
+    fputs("\n    \"resonances\": [", to);
+    for (unsigned i = 0; i < s->opts->run.torsional; i++) {
+        double share, at = resonance(s, i, list, n, &share);
+
+        if (share > 0) {
+            fprintf(to, "%s{\"rpm\": %.6g, \"share\": %.6g}", comma, at, share);
+            comma = ", ";
+        }
+    }
+    fputs("],", to);
+}
+
 static void write_failures(FILE *to, const search *s, double *list)
 {
     uint32_t n = 0;
-    double share, at;
 
     fputs("  \"failures\": {", to);
-    for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
-        place p;
+    for (unsigned k = 0; k < KELLY_PARAMETERS && (n = failures(s, k, list)) > 0; k++) {
+        const place p = place_of(list, n);
 
-        n = failures(s, k, list);
-        if (n == 0) {
-            break;
-        }
-        p = place_of(list, n);
         fprintf(to, "\n    \"%s\": {\"mean\": %.9g, \"sd\": %.9g, \"quantiles\": {\"0.025\": %.9g, \"0.5\": %.9g, \"0.975\": %.9g}},", names[k],
                 p.mean, p.sd, p.low, p.median, p.high);
     }
     if (n > 0) {
-        at = resonance(s, place_of(list, n).median, list, n, &share);
-        fprintf(to, "\n    \"resonance\": {\"rpm\": %.6g, \"share\": %.6g},", at, share);
+        write_resonances(to, s, list, n);
     }
     fprintf(to, "\n    \"count\": %u, \"distinct\": %u},\n", n, s->rare.distinct);
 }
@@ -258,37 +268,42 @@ static void write_json(FILE *to, const search *s, double *list)
                 kelly_rare_reason(s->rare.state));
     }
     fprintf(to, "  \"realisations\": %u,\n  \"samples_per_level\": %u,\n  \"refused\": %u,\n", s->rare.realisations, s->samples,
-            kelly_refused(&s->tally));
+            kelly_refused(&s->out.tally));
+    outcome_write_refused(to, &s->out);
     write_levels(to, s);
     write_failures(to, s, list);
     fprintf(to, "  \"severity\": \"ss = (max - min)/(max + min)\",\n  \"seed\": %llu,\n  \"digest\": \"%08x\",\n  \"real\": \"%s\",\n"
-            "  \"model\": \"%s\",\n", (unsigned long long)s->opts->seed, s->tally.digest, sizeof(real) > 4 ? "double" : "float", kelly_string.id);
-    case_write(to, &s->opts->run);
+            "  \"model\": \"%s\",\n", (unsigned long long)s->opts->seed, s->out.tally.digest, sizeof(real) > 4 ? "double" : "float", kelly_string.id);
+    outcome_write_case(to, &s->out);
     fprintf(to, "  \"engine\": \"%s\",\n  \"seconds\": %.6f\n}\n", s->engine->name, s->seconds);
 }
 
 static void print_failures(const search *s, double *list)
 {
+    const char *before = "failures within 2 % of a resonance of the weight with the string: ";
     uint32_t n = 0;
-    double share, at;
 
-    for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
-        place p;
+    for (unsigned k = 0; k < KELLY_PARAMETERS && (n = failures(s, k, list)) > 0; k++) {
+        const place p = place_of(list, n);
 
-        n = failures(s, k, list);
-        if (n == 0) {
-            return;
-        }
-        p = place_of(list, n);
         printf("%-7s %10.5g +- %-10.4g 95 %% of them in %.5g .. %.5g\n", names[k], p.mean, p.sd, p.low, p.high);
     }
-    at = resonance(s, place_of(list, n).median, list, n, &share);
-    printf("nearest resonance of the weight with the string: %.4g rpm; %.0f %% of the failures within %.0f %% of it\n", at, 100 * share, 100 * NEAR);
+    for (unsigned i = 0; n > 0 && i < s->opts->run.torsional; i++) {
+        double share, at = resonance(s, i, list, n, &share);
+
+        if (share >= SHOWN) {
+            printf("%s%.0f %% near %.4g rpm", before, 100 * share, at);
+            before = ", ";
+        }
+    }
+    if (before[0] == ',') {
+        puts("");
+    }
 }
 
 static void print_outcome(const search *s, double *list)
 {
-    case_print(&s->opts->run);
+    outcome_print_case(&s->out);
     if (done(s)) {
         printf("P(stick-slip) = %.3g   95 %% interval %.3g .. %.3g   coefficient of variation %.2f   (%s, %u levels, %u realisations)\n",
                (double)s->answer.probability, (double)s->answer.lo, (double)s->answer.hi, (double)s->answer.cov,
@@ -299,8 +314,9 @@ static void print_outcome(const search *s, double *list)
     for (uint32_t i = 1; i <= s->rare.level; i++) {
         printf("%s%.2f", i > 1 ? ", " : "acceptance ", acceptance(&s->rare.levels[i]));
     }
-    printf("%srefused %u, seed %llu, digest %08x, %s, %s, %.2f s\n", s->rare.level > 0 ? "; " : "", kelly_refused(&s->tally),
-           (unsigned long long)s->opts->seed, s->tally.digest, sizeof(real) > 4 ? "double" : "float", s->engine->name, s->seconds);
+    printf("%srefused %u, seed %llu, digest %08x, %s, %s, %.2f s\n", s->rare.level > 0 ? "; " : "", kelly_refused(&s->out.tally),
+           (unsigned long long)s->opts->seed, s->out.tally.digest, sizeof(real) > 4 ? "double" : "float", s->engine->name, s->seconds);
+    outcome_print_refused(&s->out, "the first hundred with --json");
 }
 
 /* ---- the command --------------------------------------------------------------------------------------------- */
@@ -322,8 +338,9 @@ const command_help rare_help = {
     .notes = "Takes 2400 realisations and 2160 more for each power of ten. Where the first level already holds a tenth of\n"
              "failures the answer is plain Monte Carlo, with the realisations of montecarlo for the same seed.\n"
              "JSON: probability, ci95 (95 %, log-normal), cov (of the estimate), realisations, levels, acceptance of the moves of each\n"
-             "level, refused, failures (where they lie in each parameter), digest.\n"
-             "Where the answer cannot be trusted there is none: exit 1, and `reason` says why.\n"
+             "level, refused (index: order of proposal), failures (where they lie in each parameter, and near which resonance), digest.\n"
+             "Where the answer cannot be trusted there is none: exit 1, and `reason` says why: no failure, under 50 different ones, moves\n"
+             "hardly accepted, more than 12 levels, P below 1e-9, or realisations refused that may be failures.\n"
              "F.json.journal beside the JSON holds what is done and goes when all is written.",
     .example = "kelly rare --mu 0.004 --rpm 200 --cov 0.1 --json rare.json",
 };
@@ -366,7 +383,7 @@ int command_rare(int argc, char **argv)
     s->samples = DEFAULT_SAMPLES;
     check_foreign(argc, argv);
     options_parse(&opts, argc, argv, TAKES_CASE | TAKES_ENSEMBLE | TAKES_JSON | TAKES_RESUME, "rare", own_option, s);
-    s->opts = &opts;
+    s->opts = s->out.opts = &opts;
     s->engine = engine_choose(opts.engine);
     beside = outcome_beside(&opts);
     if (opts.json && team_rank() == 0) {
@@ -386,7 +403,7 @@ int command_rare(int argc, char **argv)
         outfile_close(&json);
     }
     journal_remove(&s->log);
-    if (!opts.quiet && !(opts.json && strcmp(opts.json, "-") == 0)) {
+    if (outcome_speaks(&opts)) {
         print_outcome(s, list);
     }
     if (!done(s)) {

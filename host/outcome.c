@@ -70,8 +70,9 @@ static uint32_t listed(const outcome *out)
     return refused < LISTED ? refused : LISTED;
 }
 
-void case_write(FILE *to, const kelly_case *run)
+void outcome_write_case(FILE *to, const outcome *out)
 {
+    const kelly_case *const run = &out->opts->run;
     char drive[DRIVE_TEXT];
 
     fprintf(to, "  \"case\": {\"rpm\": %.9g, \"wob_kN\": %.9g, \"mu\": %.9g, \"alpha1\": %.9g, \"alpha2\": %.9g, \"f0_kN\": %.9g, \"start\": \"%s\", "
@@ -84,7 +85,7 @@ void case_write(FILE *to, const kelly_case *run)
             (double)run->cov[0], (double)run->cov[1], (double)run->cov[2], (double)run->cov[3], (double)run->cov[4]);
 }
 
-static void write_refused(FILE *to, const outcome *out)
+void outcome_write_refused(FILE *to, const outcome *out)
 {
     fprintf(to, "  \"refused_by\": {\"step\": %u, \"range\": %u, \"nonfinite\": %u},\n  \"refused_first\": [", out->tally.status[KELLY_STEP],
             out->tally.status[KELLY_RANGE], out->tally.status[KELLY_NONFINITE]);
@@ -137,20 +138,21 @@ static void write_json(FILE *to, const outcome *out, double lo, double hi)
     if (out->opts->csv) {
         fprintf(to, "  \"csv_crc32c\": \"%08x\",\n", out->csv_crc);
     }
-    write_refused(to, out);
+    outcome_write_refused(to, out);
     until_write(to, &out->until, out->asked);
     if (out->opts->convergence) {
         write_convergence(to, &out->convergence);
     }
-    case_write(to, &out->opts->run);
+    outcome_write_case(to, out);
     if (out->more) {
         out->more(to, out->more_of);
     }
     fprintf(to, "  \"engine\": \"%s\",\n  \"seconds\": %.6f\n}\n", out->engine, out->seconds);
 }
 
-void case_print(const kelly_case *run)
+void outcome_print_case(const outcome *out)
 {
+    const kelly_case *const run = &out->opts->run;
     char drive[DRIVE_TEXT];
 
     printf("%s, %.6g rpm, %.6g kN, f0 %.6g kN, mu %.6g, alpha1 %.6g, alpha2 %.6g, start %s, window %.6g:%.6g s, step %.6g s%s\n", kelly_string.id,
@@ -188,13 +190,25 @@ static void warn(const outcome *out)
     }
 }
 
+void outcome_print_refused(const outcome *out, const char *where)
+{
+    for (uint32_t i = 0; i < listed(out) && i < SHOWN; i++) {
+        printf("%s%u (%s)", i ? ", " : "refused: ", out->refused[i], status_names[out->why[i]]);
+    }
+    if (kelly_refused(&out->tally) > SHOWN) {
+        printf(", ... (%s)\n", where);
+    } else if (listed(out) > 0) {
+        puts("");
+    }
+}
+
 static void print_outcome(const outcome *out, double lo, double hi)
 {
     const kelly_tally *const t = &out->tally;
     const uint32_t counted = t->samples - kelly_refused(t);
     const int digits = hi - lo > 1e-3 ? 4 : hi - lo > 1e-5 ? 6 : 8;   /* as many as the interval's width needs */
 
-    case_print(&out->opts->run);
+    outcome_print_case(out);
     if (counted > 0) {
         printf("P(stick-slip) = %s%.*f%s   95 %% interval %.*f .. %.*f   (%u of %u with ss > %.6g)\n", ink(stdout, colour(lo, hi)), digits,
                (double)kelly_probability(t), ink(stdout, "0"), digits, lo, digits, hi, t->stuck, counted, (double)out->opts->run.limit);
@@ -208,12 +222,7 @@ static void print_outcome(const outcome *out, double lo, double hi)
            out->opts->first, t->digest, sizeof(real) > 4 ? "double" : "float", out->engine, out->seconds);
     until_print(&out->until, t->samples);
     warn(out);
-    for (uint32_t i = 0; i < listed(out) && i < SHOWN; i++) {
-        printf("%s%u (%s)", i ? ", " : "refused: ", out->refused[i], status_names[out->why[i]]);
-    }
-    if (listed(out) > 0) {
-        puts(kelly_refused(t) > SHOWN ? ", ... (all with --csv)" : "");
-    }
+    outcome_print_refused(out, "all with --csv");
     for (unsigned i = 0; i < out->convergence.count; i++) {
         printf("conv(%u) = %.6g m2 s\n", out->convergence.n[i], out->convergence.value[i]);
     }

@@ -33,7 +33,7 @@ GATES = {
     "sensitivity": ("test", 300, f"{PYTHON} tests/check_sensitivity.py"),
     "what-if": ("test", 300, f"{PYTHON} tests/check_whatif.py"),
     "stopping": ("test", 300, f"{PYTHON} tests/check_until.py"),
-    "rare-events": ("test", 600, f"{PYTHON} tests/check_rare.py"),
+    "rare-events": ("test", 900, f"{PYTHON} tests/check_rare.py"),
     "well-files": ("test", 300, f"{PYTHON} tests/check_wells.py"),
     "unit-float": ("test", 300, "make -s unit && build/host/unit"),
     "unit-double": ("test", 300, "make -s unit REAL=double && build/host-double/unit"),
