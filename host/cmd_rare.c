@@ -274,7 +274,7 @@ static void write_json(FILE *to, const search *s, double *list)
     write_failures(to, s, list);
     fprintf(to, "  \"severity\": \"ss = (max - min)/(max + min)\",\n  \"seed\": %llu,\n  \"digest\": \"%08x\",\n  \"real\": \"%s\",\n"
             "  \"model\": \"%s\",\n", (unsigned long long)s->opts->seed, s->out.tally.digest, sizeof(real) > 4 ? "double" : "float", kelly_string.id);
-    case_write(to, &s->opts->run);
+    outcome_write_case(to, &s->out);
     fprintf(to, "  \"engine\": \"%s\",\n  \"seconds\": %.6f\n}\n", s->engine->name, s->seconds);
 }
 
@@ -303,7 +303,7 @@ static void print_failures(const search *s, double *list)
 
 static void print_outcome(const search *s, double *list)
 {
-    case_print(&s->opts->run);
+    outcome_print_case(&s->out);
     if (done(s)) {
         printf("P(stick-slip) = %.3g   95 %% interval %.3g .. %.3g   coefficient of variation %.2f   (%s, %u levels, %u realisations)\n",
                (double)s->answer.probability, (double)s->answer.lo, (double)s->answer.hi, (double)s->answer.cov,

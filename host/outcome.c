@@ -70,8 +70,9 @@ static uint32_t listed(const outcome *out)
     return refused < LISTED ? refused : LISTED;
 }
 
-void case_write(FILE *to, const kelly_case *run)
+void outcome_write_case(FILE *to, const outcome *out)
 {
+    const kelly_case *const run = &out->opts->run;
     char drive[DRIVE_TEXT];
 
     fprintf(to, "  \"case\": {\"rpm\": %.9g, \"wob_kN\": %.9g, \"mu\": %.9g, \"alpha1\": %.9g, \"alpha2\": %.9g, \"f0_kN\": %.9g, \"start\": \"%s\", "
@@ -142,15 +143,16 @@ static void write_json(FILE *to, const outcome *out, double lo, double hi)
     if (out->opts->convergence) {
         write_convergence(to, &out->convergence);
     }
-    case_write(to, &out->opts->run);
+    outcome_write_case(to, out);
     if (out->more) {
         out->more(to, out->more_of);
     }
     fprintf(to, "  \"engine\": \"%s\",\n  \"seconds\": %.6f\n}\n", out->engine, out->seconds);
 }
 
-void case_print(const kelly_case *run)
+void outcome_print_case(const outcome *out)
 {
+    const kelly_case *const run = &out->opts->run;
     char drive[DRIVE_TEXT];
 
     printf("%s, %.6g rpm, %.6g kN, f0 %.6g kN, mu %.6g, alpha1 %.6g, alpha2 %.6g, start %s, window %.6g:%.6g s, step %.6g s%s\n", kelly_string.id,
@@ -206,7 +208,7 @@ static void print_outcome(const outcome *out, double lo, double hi)
     const uint32_t counted = t->samples - kelly_refused(t);
     const int digits = hi - lo > 1e-3 ? 4 : hi - lo > 1e-5 ? 6 : 8;   /* as many as the interval's width needs */
 
-    case_print(&out->opts->run);
+    outcome_print_case(out);
     if (counted > 0) {
         printf("P(stick-slip) = %s%.*f%s   95 %% interval %.*f .. %.*f   (%u of %u with ss > %.6g)\n", ink(stdout, colour(lo, hi)), digits,
                (double)kelly_probability(t), ink(stdout, "0"), digits, lo, digits, hi, t->stuck, counted, (double)out->opts->run.limit);

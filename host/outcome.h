@@ -35,19 +35,17 @@ void outcome_open(outcome *out, const options *opts, const char *engine);
 /* Where the journal lies: beside the CSV, or the JSON; 0 where neither is a file. Dies with exit 2 for --resume without one. */
 const char *outcome_beside(const options *opts);
 
-/* `"case": {...},` of a JSON; the first line of a summary. */
-void case_write(FILE *to, const kelly_case *run);
-void case_print(const kelly_case *run);
-
 /* Lines of the CSV, as text. */
 void outcome_lines(outcome *out, const char *text, size_t length);
 
 /* Take results of indices in increasing order: a batch_sink, its context an outcome. */
 void outcome_take(void *context, uint32_t first, uint32_t count, const void *results);
 
-/* A part of the JSON, with its comma, and of the summary, for what is reported otherwise: the refused ones by index.
+/* Parts of the JSON, each with its comma, and of the summary, for what is reported otherwise: the case; the refused ones by index.
  * `where` names the place that lists more of these than the terminal does. */
+void outcome_write_case(FILE *to, const outcome *out);
 void outcome_write_refused(FILE *to, const outcome *out);
+void outcome_print_case(const outcome *out);
 void outcome_print_refused(const outcome *out, const char *where);
 
 /* Whether a summary is wanted on stdout: no --quiet, and stdout is not one of the files. */
