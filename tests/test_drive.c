@@ -215,6 +215,10 @@ static void knows_the_insane(void)
         }
         *place[p] = good;
     }
+    on->speed = R(999999.5);                               /* the bound is 1e6 rad/s */
+    CHECK(kelly_driven_sane(driven, 0));
+    on->speed = R(1e6);
+    CHECK(!kelly_driven_sane(driven, 0));
 }
 
 /* ---- bits ------------------------------------------------------------------------------------------------------------ */
