@@ -97,7 +97,7 @@ float kelly_normal(kelly_rng *rng)
     for (int i = 0; i < TRIES; i++) {
         const float a = signed_unit(kelly_rng_next(rng));
         const float b = signed_unit(kelly_rng_next(rng));
-        float x;
+        float x = 0.0f;
 
         if (polar(a, b, &x)) {
             return x;
