@@ -8,8 +8,6 @@
 #define SHOWN 12u                /* refused realisations that are named on the terminal */
 #define DIGITS (sizeof(real) > sizeof(float) ? 17 : 9)
 
-const char *const status_names[KELLY_STATUSES] = { "ok", "step", "range", "nonfinite", "corrupt" };
-
 /* Text of the CSV, and its CRC for the JSON beside it: `kelly merge` asks whether the two belong together. */
 void outcome_lines(outcome *out, const char *text, size_t length)
 {

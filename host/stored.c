@@ -11,15 +11,17 @@
 #define FIELDS 13
 #define NEAR 1e-6                /* of a draw, relative: nine digits of it, and of the means of its law, are on file */
 
+const char *const status_names[KELLY_STATUSES] = { "ok", "step", "range", "nonfinite", "corrupt" };
+
 /* Keys of the JSON, and where their values go. Up to REAL_ they must be there for every use; ENGINE is the last that merge needs. */
 enum { RPM_, WOB, MU, ALPHA1, ALPHA2, LIMIT, COV_FC, COV_MU, COV_A1, COV_A2, COV_RPM, FIRST, SAMPLES, STUCK, REFUSED, SEED, MODEL, REAL_,
-       F0, DURATION, STEP, TORSIONAL, LIFTOFF, BY_STEP, BY_RANGE, BY_NONFINITE, STUCK_SSI, SECONDS, START, DRIVE, DIGEST, IDENTITY, ENGINE,
-       CSV_CRC, STOPPED, KEYS };
+       F0, DURATION, STEP, TORSIONAL, LIFTOFF, BY_STEP, BY_RANGE, BY_NONFINITE, BY_CORRUPT, STUCK_SSI, SECONDS, START, DRIVE, DIGEST,
+       IDENTITY, ENGINE, CSV_CRC, STOPPED, KEYS };
 static const char *const keys[KEYS] = { "case.rpm", "case.wob_kN", "case.mu", "case.alpha1", "case.alpha2", "case.limit", "case.cov.fc", "case.cov.mu",
                                         "case.cov.a1", "case.cov.a2", "case.cov.rpm", "first", "samples", "stuck", "refused", "seed", "model", "real",
                                         "case.f0_kN", "case.duration_s", "case.step_s", "case.torsional", "liftoff", "refused_by.step",
-                                        "refused_by.range", "refused_by.nonfinite", "ssi.stuck", "seconds", "case.start", "case.drive", "digest",
-                                        "identity", "engine", "csv_crc32c", "sequence.stopped" };
+                                        "refused_by.range", "refused_by.nonfinite", "refused_by.corrupt", "ssi.stuck", "seconds", "case.start", "case.drive",
+                                        "digest", "identity", "engine", "csv_crc32c", "sequence.stopped" };
 
 typedef struct {
     const char *path;
@@ -197,8 +199,8 @@ void stored_open_part(stored_part *part, const char *path)
     }
     open_case(&part->of.run, &f);
     part->tally = (kelly_tally){ .samples = part->of.samples, .stuck = part->of.stuck, .liftoff = whole_in(&f, LIFTOFF), .digest = crc_in(&f, DIGEST) };
-    for (unsigned k = 0; k < 3; k++) {
-        part->tally.status[KELLY_STEP + k] = whole_in(&f, BY_STEP + k);
+    for (unsigned k = KELLY_STEP; k < KELLY_STATUSES; k++) {
+        part->tally.status[k] = whole_in(&f, BY_STEP + k - KELLY_STEP);
     }
     part->stuck_ssi = whole_in(&f, STUCK_SSI);
     part->identity = crc_in(&f, IDENTITY);

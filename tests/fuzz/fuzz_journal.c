@@ -1,7 +1,8 @@
 /* fuzz_journal.c - the journal of an earlier run (host/journal.c), behind its CRCs.
  *
- * The first byte: 1 put the right CRC into the header, 2 into every whole record, 4 begin with the right header. What is resumed hands
- * over records of this run alone, leaves a journal that ends with the last of them, and gives the same ones when it is opened again.
+ * The first byte: 1 put the right CRC into the header, 2 into every whole record, 4 begin with the right header, 8 indices must come in
+ * order. What is resumed hands out records of this run alone, leaves a journal that ends with the last of them, and gives the same ones
+ * when it is opened again.
  */
 #include "caught.h"
 
@@ -15,14 +16,21 @@
 #define RECORDS 1000u
 #define MOST 4096u
 
-static const journal_run run = { .kind = "map", .model = "paper-4c51472e", .seed = 1, .parameters = 0x1234u, .records = RECORDS, .payload = PAYLOAD };
+static journal_run run = { .kind = "map", .model = "paper-4c51472e", .seed = 1, .parameters = 0x1234u, .records = RECORDS, .payload = PAYLOAD };
 static uint32_t seen, sum;
 
-static void sink(void *context, uint32_t index, const uint8_t *payload)
+static void open_and_read(journal *j, const char *output, int resume)
 {
-    must(context == (void *)&seen && index < RECORDS);
-    seen++;
-    sum = kelly_crc32c(sum ^ index, payload, PAYLOAD);
+    uint8_t payload[PAYLOAD];
+    uint32_t index;
+
+    journal_open(j, output, &run, resume);
+    while (journal_next(j, &index, payload)) {
+        must(index < RECORDS && (!run.in_order || index == seen));
+        seen++;
+        must(j->next == seen);
+        sum = kelly_crc32c(sum ^ index, payload, PAYLOAD);
+    }
 }
 
 /* -> how it ended. */
@@ -32,12 +40,16 @@ static int open_again(const char *output, journal *j, int resume)
 
     seen = sum = 0;
     *j = (journal){ .fd = -1 };
-    CATCH(status, journal_open(j, output, &run, resume, sink, &seen));
+    CATCH(status, open_and_read(j, output, resume));
     return status;
 }
 
 static void close_it(journal *j)
 {
+    if (j->earlier) {
+        fclose(j->earlier);
+        j->earlier = 0;
+    }
     if (j->fd > 2) {
         close(j->fd);
     }
@@ -72,6 +84,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (size == 0 || size > MOST) {
         return 0;
     }
+    run.in_order = data[0] >> 3 & 1;
     length = prepare(file, data[0], data + 1, size - 1);
     strcpy(output, caught_file(".journal", file, length));
     *strrchr(output, '.') = '\0';

@@ -17,18 +17,6 @@
 
 #define ARGUMENTS 64
 
-void outfile_open(outfile *file, const char *path)      /* of what is not run */
-{
-    (void)file, (void)path;
-    abort();
-}
-
-void outfile_close(outfile *file)
-{
-    (void)file;
-    abort();
-}
-
 static until_request until;
 static envelope_request envelope;
 

@@ -1,6 +1,7 @@
 /* fuzz_stored.c - the files of an earlier run: the JSON, and the CSV line by line (host/stored.c, host/json_read.c).
  *
- * The first byte says which; one that is accepted has rows within their ranges.
+ * The first byte says which, and whether it is read as a part that is to be put together with others; one that is accepted has rows
+ * within their ranges.
  */
 #include "caught.h"
 
@@ -49,6 +50,18 @@ static void read_run(const char *path)
     must(run.run.fc > 0 && run.run.mu > 0 && run.run.a1 > 0 && run.run.a2 > 0 && run.run.w0 > 0);
 }
 
+static void read_part(const char *path)
+{
+    static stored_part part;
+
+    stored_open_part(&part, path);
+    must(part.of.samples >= 1 && part.tally.stuck <= part.tally.samples && part.refused_listed <= LISTED);
+    must(memchr(part.case_text, 0, sizeof(part.case_text)) && memchr(part.engine, 0, sizeof(part.engine)));
+    for (uint32_t i = 0; i < part.refused_listed; i++) {
+        must(part.refused_why[i] < KELLY_STATUSES);
+    }
+}
+
 static void read_rows(const char *path)
 {
     stored_run run = { .path = (char *)(uintptr_t)"x.json", .run = kelly_string.nominal, .seed = 1, .samples = 100 };
@@ -77,6 +90,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     line_buffer = 0;
     if (data[0] == 'r') {
         CATCH(status, read_rows(caught_file(".csv", data + 1, size - 1)));
+    } else if (data[0] == 'p') {
+        CATCH(status, read_part(caught_file(".json", data + 1, size - 1)));
     } else {
         CATCH(status, read_run(caught_file(".json", data + 1, size - 1)));
     }
