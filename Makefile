@@ -304,6 +304,7 @@ ifeq ($(filter-out host,$(TARGET)),)
 study: all unit                               ## small probabilities, sensitivity, what-ifs, stopping, more than one machine: build/study.md; ten minutes
 	@sh tests/install $$(sed -n 's/^test: //p' tests/packages.txt)
 	@$(MAKE) -s all unit REAL=double
+	@$(MAKE) -s mpi
 	@$(with_python) tests/study.py build/study.md
 
 size:                                         ## flash, RAM, stack, instructions a step of every board; TARGET=NAME: one
