@@ -108,6 +108,7 @@ static const option_help own_options[] = {
     { "--seed", "S", "of the random streams (default 1)" },
     { "--threads", "T", "threads (default: one a processor); no result depends on it" },
     { "--engine", "NAME", "vector unit: scalar, sse2, avx2, avx512 (default: the widest here); no result depends on it" },
+    { "--twice", 0, TWICE_HELP },
     { 0, 0, 0 },
 };
 

@@ -37,7 +37,7 @@ static const option_help ensemble_options[] = {
     { "--first", "J", "index of the first one (default 0)" },
     { "--threads", "T", "threads (default: one a processor); no result depends on it" },
     { "--csv", "F", "one line a realisation, in the order of the indices; - is stdout" },
-    { "--twice", 0, "run every realisation twice and count it only where both agree in every bit: finds a fault of the machine in between" },
+    { "--twice", 0, TWICE_HELP },
     { "--convergence", 0, "the paper's convergence function, at 1, 2, 5, 10, 20, ... realisations" },
     { "--engine", "NAME", "vector unit: scalar, sse2, avx2, avx512 (default: the widest here); no result depends on it" },
     { 0 },

@@ -179,6 +179,8 @@ const kelly_engine *engine_choose(const char *name);
 /* Realisations that this engine best runs together: fewer than it holds where many modes would leave the cache. */
 unsigned engine_lanes(const kelly_engine *engine, const kelly_case *run);
 
+#define TWICE_HELP "run every realisation twice and count it only where both agree in every bit: finds a fault of the machine in between"
+
 /* e->run and e->run_draws for a run of opts: once, or with --twice two times. `count` results. */
 void engine_run(const kelly_engine *e, const options *opts, const kelly_case *run, uint32_t first, uint32_t count,
                 kelly_result *results, void *work);
