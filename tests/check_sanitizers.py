@@ -25,6 +25,7 @@ FATAL = "-g -fno-omit-frame-pointer -fno-sanitize-recover=all"
 PLAIN = ["machine=plain", "vector_flags=-DKELLY_VECTORS=2 -DKELLY_WIDTH=2"]
 ENGINES = ("scalar", "vector")
 VALGRIND = ["valgrind", "-q", "--error-exitcode=9", "--leak-check=no"]
+SHORT = ["--samples", "256", "--duration", "2", "--window", "1:2", "--mu", "0.04"]
 # (name, compiler, flags, precision, program that runs it, what runs); long ones first
 BUILDS = (
     ("address-clang", "clang", f"-O1 -fsanitize={SUITE} {FATAL}", "float", [], "all"),
@@ -54,7 +55,7 @@ def command_lines(kelly, folder):
     part = [["montecarlo", *few, "--first", first, "--csv", at(first + ".csv"), "--json", at(first + ".json"), "--quiet"] for first in ("0", "16")]
     lines = [["modes", "--json", at("modes.json")],
              ["simulate", "--duration", "2", "--window", "1:2", "--out", at("one.csv"), "--field", at("field.npy")],
-             ["montecarlo", *few, "--threads", "2", "--csv", at("run.csv"), "--json", at("run.json"), "--cov", "0.2"],
+             ["montecarlo", *SHORT, "--threads", "2", "--csv", at("run.csv"), "--json", at("run.json"), "--cov", "0.2"],
              ["montecarlo", *few, "--drive", "soft", "--convergence"],
              ["montecarlo", *few, "--envelope", at("envelope.csv"), "--out-step", "0.1"],
              ["whatif", "--from", at("run.csv"), "--mu", "0.041"],
@@ -63,7 +64,7 @@ def command_lines(kelly, folder):
              ["sensitivity", *few],
              ["map", *grid, *few, "--json", at("map.json"), "--csv", at("map.csv")],
              ["advise", *few, "--below", "0.05"],
-             ["plan", "--measure", "0.2", "--json", at("plan.json")],
+             ["plan", "--samples", "10000", "--cores", "10", "--measure", "0.1", "--json", at("plan.json")],
              ["manual"], ["--help"]]
     return [[kelly, *line] for line in lines]
 

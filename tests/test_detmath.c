@@ -99,7 +99,7 @@ static void clamp_holds_lanes_and_keeps_a_nan(void)
         CHECK(LANE(top, l) == R(8.0) && LANE(low, l) == R(-8.0));
     }
     vreal zero = vsplat(R(-0.0));
-    CHECK(R(1.0) / LANE(zero, KELLY_WIDTH - 1) < R(0.0));
+    CHECK((bits_of_float){.value = (float)LANE(zero, KELLY_WIDTH - 1)}.bits == 0x80000000u);
 }
 
 static void sine_has_known_values(void)
