@@ -21,7 +21,7 @@ EVA = os.path.join(ROOT, "tests", "eva")
 OUT = os.path.join(ROOT, "build", "eva")
 
 LINK = "link/crc32c link/frame link/keys link/messages link/wits link/fields".split()
-MODEL = "detmath string_model realisation tables/paper".split()
+MODEL = "detmath link/crc32c string_model realisation tables/paper".split()
 COPIES = ("", "_0", "_1")                # a static of a header: one for each file
 TORQUE, UNFOLDED = (",".join(name + copy for copy in COPIES) for name in ("kelly_bit_torque_folded", "kelly_bit_torque"))
 
@@ -35,10 +35,12 @@ DRIVERS = {
     "torque": (["detmath"], "-eva-precision 0 -eva-slevel 20"),
     "step": (["integrator", "block", "detmath"], f"-eva-precision 1 -eva-slevel 30 -eva-auto-loop-unroll 24 -eva-use-spec {TORQUE},kelly_sin_turn"),
     "driven": (["drive", "detmath"], f"-eva-precision 1 -eva-slevel 30 -eva-auto-loop-unroll 24 -eva-use-spec {UNFOLDED},kelly_sin_turn"),
-    "load": (MODEL + ["block", "drive_block", "drive", "integrator"],
+    "load": (MODEL + ["block", "drive_block", "drive", "integrator", "seal"],
              "-eva-precision 0 -eva-slevel 6 -eva-min-loop-unroll 10 -eva-split-return full -eva-use-spec kelly_sin_turn,kelly_phase_step,kelly_block_resync"),
     "strings": (MODEL + ["axial", "random"],
-                "-eva-precision 1 -eva-slevel 30 -eva-auto-loop-unroll 24 -eva-split-return full -eva-use-spec kelly_normal,kelly_sin_turn"),
+                "-eva-precision 1 -eva-slevel 30 -eva-auto-loop-unroll 24 -eva-slevel-function crc_of:400,crc_reals:400 "
+                "-eva-split-return full -eva-use-spec kelly_normal,kelly_sin_turn,kelly_crc32c"),
+    "ensemble": (["ensemble", "seal"], "-eva-precision 1 -eva-slevel 30"),
     "statistics": ("tally link/crc32c".split(), "-eva-precision 0 -eva-slevel 10 -eva-auto-loop-unroll 64"),
     "messages": (["link/messages", "link/fields"], "-eva-precision 0 -eva-auto-loop-unroll 25 -eva-min-loop-unroll 2 -eva-slevel 12 -eva-split-return full"),
     "link": (LINK, "-eva-precision 1 -eva-auto-loop-unroll 34 -eva-slevel 12 -eva-slevel-function put_digits:60 -eva-split-return full "

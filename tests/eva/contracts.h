@@ -5,6 +5,7 @@
 
 #include "real.h"
 #include "detmath.h"
+#include "link/crc32c.h"
 #include "link/frame.h"
 #include "random.h"
 
@@ -17,6 +18,11 @@ real kelly_sin_turn(uint64_t phase);
     assigns \result, *rng \from *rng;
     ensures \is_finite(\result) && -200 <= \result <= 200; */
 float kelly_normal(kelly_rng *rng);
+
+/* link.c */
+/*@ requires \valid_read(bytes + (0 .. count - 1));
+    assigns \result \from crc, bytes[0 .. count - 1]; */
+uint32_t kelly_crc32c(uint32_t crc, const uint8_t *bytes, size_t count);
 
 /* Proved by WP, with the invariants of its loop. */
 /*@ requires n <= KELLY_FRAME_MAX;

@@ -108,6 +108,10 @@ static void at_exact_phase(void)
     any_block(1, LARGEST_M, R(1.0));
     block.tick = KELLY_RESYNC * Frama_C_unsigned_int_interval(0, UINT32_MAX / KELLY_RESYNC);
     kelly_block_advance(&block, 1);
+    any_block(1, LARGEST_M, R(1.0));
+    kelly_block_resync(&block, 0);
+    //@ assert \is_finite(block.lane[0].wave) && -2e12 <= block.lane[0].wave <= 2e12;
+    //@ assert \is_finite(block.lane[0].dwave) && -4e12 <= block.lane[0].dwave <= 4e12;
 }
 
 int main(void)
