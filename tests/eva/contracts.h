@@ -32,4 +32,12 @@ uint32_t kelly_crc32c(uint32_t crc, const uint8_t *bytes, size_t count);
     ensures 1 <= \result <= n + n / 254 + 1; */
 size_t kelly_cobs(uint8_t *to, const uint8_t *from, size_t n);
 
+#ifdef EVA_ROOT
+/* Assumed, of sobol.c: Newton's method from above falls from 1 + x. Intervals do not see that x / r falls as long as r lies above. */
+/*@ requires x <= 1e190;
+    assigns \result \from x;
+    ensures \is_finite(\result) && 0 <= \result <= 1e190; */
+static wide root(wide x);
+#endif
+
 #endif

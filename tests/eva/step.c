@@ -9,6 +9,8 @@
 #define SPEED 1e7f                       /* [rad/s] of the stages, torque-free */
 #define MOST (2 * SPEED / KELLY_MODES_MAX)   /* [rad/s] what one mode has in it: its state times its weight */
 
+void kelly_block_resync(kelly_block *block, unsigned lane);
+
 static kelly_block block;
 static kelly_modes modes;
 
