@@ -40,7 +40,7 @@ float kelly_gamma(kelly_rng *rng, float mean, float cov);
 
 /* The same gamma in steps, for a walk in x: it is value(x) where x has the density of a standard normal times exp(log_weight(x)),
  * log_weight <= 0. kelly_gamma_normal draws that x; kelly_gamma is the value of it. The weight is KELLY_NO_WEIGHT where the
- * value would not be positive. */
+ * value would not be positive. |x| <= 1000 and a mean of 1e30 at most leave all of it finite. */
 #define KELLY_NO_WEIGHT (-1e30f)
 float kelly_gamma_normal(kelly_rng *rng, float cov);
 float kelly_gamma_value(float x, float mean, float cov);

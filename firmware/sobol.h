@@ -52,7 +52,7 @@ unsigned kelly_sobol_row(const kelly_case *run, uint64_t seed, uint32_t index, k
 
 void kelly_sobol_clear(kelly_sobol *sobol, unsigned parameters);
 
-/* f(A), f(B), f(AB_i): finite, [parameters + 2]. In the order of the indices. */
+/* f(A), f(B), f(AB_i): finite, [parameters + 2], up to 1e12 where wide is double: nothing overflows then. In the order of the indices. */
 void kelly_sobol_add(kelly_sobol *sobol, const wide f[]);
 
 /* Mean and variance of f, from all f(A) and f(B); zeros while there are none. */

@@ -8,20 +8,21 @@ that nothing is open: no alarm (memory, overflow, shift, division, uninitialised
 files under proof is reached by one driver or another; statements that none reaches are printed. Then faults are planted in copies:
 each has to be found. What is taken for granted is printed as well.
 """
+import concurrent.futures
 import os
 import re
 import shutil
 import subprocess
 import sys
-import time
 
 sys.dont_write_bytecode = True
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 EVA = os.path.join(ROOT, "tests", "eva")
 OUT = os.path.join(ROOT, "build", "eva")
+JOBS = int(os.environ.get("EVA_JOBS", "1"))     # drivers at a time
 
 LINK = "link/crc32c link/frame link/keys link/messages link/wits link/fields".split()
-MODEL = "detmath string_model realisation tables/paper".split()
+MODEL = "detmath link/crc32c string_model realisation tables/paper".split()
 COPIES = ("", "_0", "_1")                # a static of a header: one for each file
 TORQUE, UNFOLDED = (",".join(name + copy for copy in COPIES) for name in ("kelly_bit_torque_folded", "kelly_bit_torque"))
 
@@ -35,10 +36,13 @@ DRIVERS = {
     "torque": (["detmath"], "-eva-precision 0 -eva-slevel 20"),
     "step": (["integrator", "block", "detmath"], f"-eva-precision 1 -eva-slevel 30 -eva-auto-loop-unroll 24 -eva-use-spec {TORQUE},kelly_sin_turn"),
     "driven": (["drive", "detmath"], f"-eva-precision 1 -eva-slevel 30 -eva-auto-loop-unroll 24 -eva-use-spec {UNFOLDED},kelly_sin_turn"),
-    "load": (MODEL + ["block", "drive_block", "drive", "integrator"],
+    "load": (MODEL + ["block", "drive_block", "drive", "integrator", "seal"],
              "-eva-precision 0 -eva-slevel 6 -eva-min-loop-unroll 10 -eva-split-return full -eva-use-spec kelly_sin_turn,kelly_phase_step,kelly_block_resync"),
     "strings": (MODEL + ["axial", "random"],
-                "-eva-precision 1 -eva-slevel 30 -eva-auto-loop-unroll 24 -eva-split-return full -eva-use-spec kelly_normal,kelly_sin_turn"),
+                "-eva-precision 1 -eva-slevel 30 -eva-auto-loop-unroll 24 -eva-slevel-function crc_of:400,crc_reals:400 "
+                "-eva-split-return full -eva-use-spec kelly_normal,kelly_sin_turn,kelly_crc32c"),
+    "ensemble": (["ensemble", "seal"], "-eva-precision 1 -eva-slevel 30"),
+    "indices": (["random", "detmath"], "-eva-precision 1 -eva-slevel 100 -eva-auto-loop-unroll 64 -eva-split-return full -eva-use-spec root"),
     "statistics": ("tally link/crc32c".split(), "-eva-precision 0 -eva-slevel 10 -eva-auto-loop-unroll 64"),
     "messages": (["link/messages", "link/fields"], "-eva-precision 0 -eva-auto-loop-unroll 25 -eva-min-loop-unroll 2 -eva-slevel 12 -eva-split-return full"),
     "link": (LINK, "-eva-precision 1 -eva-auto-loop-unroll 34 -eva-slevel 12 -eva-slevel-function put_digits:60 -eva-split-return full "
@@ -63,7 +67,11 @@ ASSUMED = [
     "a step starts from a state within bounds: stages up to 1e7 rad/s, and a lever h/2 (sum of b^2) that fits the weight as "
     "kelly_realise has it; that RK4 stays within them is its stability, and is checked at run time (kelly_block_sane)",
     "steps of 2 beta and more; weights between the lightest and the heaviest are those times a power of 2",
-    "plant.h: readings of a sane string, speeds within 1e6 rad/s, modal values within 1e15",
+    "under a soft drive or a commanded top: steps of 1 us, 1 ms and 31 ms, each to twice as long, stand for those between",
+    "plant.h: mu within 3 m, f0 within 5e5 N; readings of a sane string, speeds within 1e6 rad/s, modal values within 1e15",
+    "ensemble.h: windows that open before step 1, 32768 or 2^31 and close no earlier stand for all; propagators are stubs there",
+    "link.h, wits.h: numbers within 1e30; sobol.h: values within 1e12, and its root falls from 1 + x",
+    "host programs are not analysed: their parsers (options, journal, stored runs) are fuzzed",
 ]
 
 # name: (driver or WP file, file to change, text, what it becomes)
@@ -76,7 +84,17 @@ PLANTED = {
 }
 
 USED = ("tests/eva/contracts.h", "tests/eva/torque.h", "tests/eva/kernel.h", "FRAMAC_SHARE")
-EXCUSED = {"in_turns firmware/integrator.c": "four vectors and more; one lane has one"}
+EXCUSED = {"in_turns firmware/integrator.c": "four vectors and more; one lane has one",
+           "root firmware/sobol.c": "Newton's method: taken as falling from 1 + x"}
+
+# What no driver has, and why.
+LEFT_OUT = {
+    "app/scpi app/line app/console app/requests": "places in a text and its final 0 belong together, which intervals lose: fuzzed (console)",
+    "app/bench app/campaign app/device app/estimate app/gauge app/lockstep app/realtime app/session":
+        "the device program on top of what is analysed: run on every board under the emulator",
+    "envelope sequence interval reweight": "ranks, shares and sums belong together (k <= n, ranks ascend), a continued fraction converges: unit tests",
+    "rare rare_walk rare_guide rare_answer": "a heap, chains and levels in the caller's memory, a quotient that is 0 on a resonance: unit tests",
+}
 count = {True: 0, False: 0}
 
 
@@ -162,17 +180,16 @@ def wp(root, name, file, functions, options):
 
 def prove(names):
     coverage, alarms, valid = Coverage(), 0, 0
-    for driver in names:
-        start = time.monotonic()
-        lines = eva(ROOT, driver, driver)
-        found = open_ones(lines)
-        done = [int(line.split()[1]) for line in lines if re.fullmatch(r"valid \d+", line)]
-        claim(len(done) == 1, f"{driver}: the analysis comes to its end: {' '.join(lines[-3:])}")
-        claim(not found, f"{driver}: nothing is open: " + "; ".join(found[:12]))
-        alarms += len(found)
-        valid += sum(done)
-        coverage.take(lines)
-        print(f"{driver}: {len(found)} open, {sum(done)} proved, {time.monotonic() - start:.0f} s", flush=True)
+    with concurrent.futures.ThreadPoolExecutor(JOBS) as pool:
+        for driver, lines in zip(names, pool.map(lambda name: eva(ROOT, name, name), names)):
+            found = open_ones(lines)
+            done = [int(line.split()[1]) for line in lines if re.fullmatch(r"valid \d+", line)]
+            claim(len(done) == 1, f"{driver}: the analysis comes to its end: {' '.join(lines[-3:])}")
+            claim(not found, f"{driver}: nothing is open: " + "; ".join(found[:12]))
+            alarms += len(found)
+            valid += sum(done)
+            coverage.take(lines)
+            print(f"{driver}: {len(found)} open, {sum(done)} proved", flush=True)
     return coverage, alarms, valid
 
 
@@ -227,14 +244,17 @@ def main():
             print("assumed: " + text)
         sources = {os.path.relpath(os.path.join(d, f), ROOT) for part in (".", "link", "app")
                    for d in [os.path.normpath(os.path.join(ROOT, "firmware", part))] for f in os.listdir(d) if f.endswith(".c")}
-        print("not analysed: " + ", ".join(sorted(sources - coverage.files)))
-        print(f"figure: proof, Eva: source files of kernel, link and device program analysed: {len(sources & coverage.files)} of {len(sources)}")
-        print(f"figure: proof, Eva: alarms with -warn-special-float non-finite: {alarms}")
-        print(f"figure: proof, Eva: functions reached: {len(coverage.reached)} of {len(coverage.all)} in {len(coverage.files)} files")
-        print(f"figure: proof, Eva: statements reached: {reached} of {statements}")
-        print(f"figure: proof, Eva: properties proved: {valid}")
-        print(f"figure: proof, WP: goals proved: {proved} of {goals}")
-        print(f"figure: proof: planted faults found: {found} of {len(PLANTED)}")
+        left_out = {f"firmware/{name}.c" for names_ in LEFT_OUT for name in names_.split()}
+        claim(sources - coverage.files == left_out, "what is not analysed is listed: " + ", ".join(sorted((sources - coverage.files) ^ left_out)))
+        for names_, why in LEFT_OUT.items():
+            print(f"not analysed: {', '.join(name + '.c' for name in names_.split())} ({why})")
+        print(f"figure: proof by Eva, source files of kernel, link and device program analysed: {len(sources & coverage.files)} of {len(sources)}")
+        print(f"figure: proof by Eva, alarms with -warn-special-float non-finite: {alarms}")
+        print(f"figure: proof by Eva, functions reached: {len(coverage.reached)} of {len(coverage.all)} in {len(coverage.files)} files")
+        print(f"figure: proof by Eva, statements reached: {reached} of {statements}")
+        print(f"figure: proof by Eva, properties proved: {valid}")
+        print(f"figure: proof by WP, goals proved: {proved} of {goals}")
+        print(f"figure: proof, planted faults found: {found} of {len(PLANTED)}")
     print(f"{count[True]} passed, {count[False]} failed")
     return count[False] != 0
 

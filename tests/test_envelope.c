@@ -73,6 +73,29 @@ static void refuses_what_is_no_number(void)
     EQUAL(envelope.used, 5);
 }
 
+/* 2^24 of the largest values that are taken, on both sides of 0, have a finite spread. */
+static void takes_what_it_can_square(void)
+{
+    const real taken = R(9.9e13), beyond[3] = { R(1e14), R(1.1e14), R(9e17) };
+
+    add_grid(5, 2, 1);
+    for (unsigned i = 0; i < 3; i++) {
+        CHECK(!kelly_envelope_add(&envelope, beyond[i]));
+        CHECK(!kelly_envelope_add(&envelope, -beyond[i]));
+    }
+    EQUAL(envelope.n, 5);
+    kelly_envelope_clear(&envelope);
+    CHECK(kelly_envelope_add(&envelope, taken));
+    CHECK(kelly_envelope_add(&envelope, -taken));
+    envelope.n *= 8388607u;                                /* as if each had come so often, all but two of 2^24 */
+    envelope.m2 *= R(8388607.0);
+    CHECK(kelly_envelope_add(&envelope, taken));
+    CHECK(kelly_envelope_add(&envelope, -taken));
+    EQUAL(envelope.n, 16777216);
+    kelly_envelope_read(&envelope, &band);
+    CLOSE(band.sd, W(9.9e13), W(1e9));
+}
+
 /* Random values, a third of them within 1e-3 of 0 and the rest spread as 250 u^2: a bit that sticks. Its exact quantiles
  * over all u are known: the error of the estimate, less that of the sample, is a rank of some n. */
 static real sticking(real u)
@@ -168,6 +191,7 @@ void test_envelope(void)
     few_values_are_exact();
     full_is_still_exact();
     refuses_what_is_no_number();
+    takes_what_it_can_square();
     error_is_a_share_of_the_sampling_error();
     sorted_streams_stay_bounded();
     clusters_are_sound();

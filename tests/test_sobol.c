@@ -204,6 +204,29 @@ static void equal_groups_leave_no_doubt(void)
     CHECK(total.value == 2 && total.lo == 2 && total.hi == 2);
 }
 
+/* 64 rows of 0 and `size` in f(A) and f(B), each group with both: a variance of size^2 / 4. */
+static int reads_a_variance_of(wide size, kelly_estimate *first, kelly_estimate *total)
+{
+    const wide row[2][3] = { { 0, size, 1 }, { size, 0, 0 } };
+
+    kelly_sobol_clear(&sobol, 1);
+    for (unsigned j = 0; j < 64; j++) {
+        kelly_sobol_add(&sobol, row[j / 32]);
+    }
+    return kelly_sobol_read(&sobol, 0, first, total);
+}
+
+/* What varies by rounding errors alone does not vary: a quotient by less than 1e-30 would leave the floats. */
+static void hardly_varying_is_not_varying(void)
+{
+    kelly_estimate first, total;
+
+    CHECK(reads_a_variance_of(W(1e-14), &first, &total));
+    CHECK(total.value > W(1e27) && total.value < W(1e29));
+    CHECK(!reads_a_variance_of(W(1e-16), &first, &total));
+    CHECK(!reads_a_variance_of(W(1e-19), &first, &total));
+}
+
 static int same_draw(const kelly_draw *a, const kelly_draw *b)
 {
     return a->fc == b->fc && a->mu == b->mu && a->a1 == b->a1 && a->a2 == b->a2 && a->w0 == b->w0;
@@ -244,5 +267,6 @@ void test_sobol(void)
     says_where_there_are_none();
     one_group_is_not_enough();
     equal_groups_leave_no_doubt();
+    hardly_varying_is_not_varying();
     draws_its_rows();
 }

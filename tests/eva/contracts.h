@@ -5,6 +5,7 @@
 
 #include "real.h"
 #include "detmath.h"
+#include "link/crc32c.h"
 #include "link/frame.h"
 #include "random.h"
 
@@ -18,6 +19,11 @@ real kelly_sin_turn(uint64_t phase);
     ensures \is_finite(\result) && -200 <= \result <= 200; */
 float kelly_normal(kelly_rng *rng);
 
+/* link.c */
+/*@ requires \valid_read(bytes + (0 .. count - 1));
+    assigns \result \from crc, bytes[0 .. count - 1]; */
+uint32_t kelly_crc32c(uint32_t crc, const uint8_t *bytes, size_t count);
+
 /* Proved by WP, with the invariants of its loop. */
 /*@ requires n <= KELLY_FRAME_MAX;
     requires \valid(to + (0 .. n + n / 254)) && \valid_read(from + (0 .. n - 1));
@@ -25,5 +31,13 @@ float kelly_normal(kelly_rng *rng);
     assigns \result \from n, from[0 .. n - 1];
     ensures 1 <= \result <= n + n / 254 + 1; */
 size_t kelly_cobs(uint8_t *to, const uint8_t *from, size_t n);
+
+#ifdef EVA_ROOT
+/* Assumed, of sobol.c: Newton's method from above falls from 1 + x. Intervals do not see that x / r falls as long as r lies above. */
+/*@ requires x <= 1e190;
+    assigns \result \from x;
+    ensures \is_finite(\result) && 0 <= \result <= 1e190; */
+static wide root(wide x);
+#endif
 
 #endif

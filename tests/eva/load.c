@@ -29,6 +29,7 @@ static void stiff(void)
     (void)kelly_block_sane(&block, 0);
     kelly_block_modal(&block, 0, &modes, &kelly_string, q, v);
     (void)kelly_block_twist(&block, 0, &modes);
+    (void)kelly_block_seal(&block);
 }
 
 /* One form of the modes after the other. */
@@ -68,6 +69,7 @@ static void soft(void)
     (void)kelly_driven_sane(&driven, 0);
     kelly_driven_modal(&driven, 0, &modes, q, v);
     (void)kelly_driven_twist(&driven, 0, &modes);
+    (void)kelly_driven_seal(&driven);
     (void)kelly_driven_top_speed(&driven, 0);
     (void)kelly_driven_top_torque(&driven, 0, any_real(R(-1e14), R(1e14)));
 }

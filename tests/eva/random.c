@@ -1,4 +1,4 @@
-/* random.h: any state, any key, any word; mean > 0 and cov of the documented ranges. kelly_normal: normal.c. */
+/* random.h: any state, any key, any word; mean > 0, cov and x of the documented ranges. kelly_normal: normal.c. */
 #include "random.h"
 #include "contracts.h"
 
@@ -24,5 +24,8 @@ int main(void)
     //@ assert 0x1p-24 <= x <= 1 - 0x1p-24;
     state(&rng);
     x = kelly_gamma(&rng, Frama_C_float_interval(0x1p-126f, 1e30f), Frama_C_float_interval(1e-4f, 0.5f));
+    (void)kelly_gamma_normal(&rng, Frama_C_float_interval(1e-4f, 0.5f));
+    (void)kelly_gamma_value(Frama_C_float_interval(-1e3f, 1e3f), Frama_C_float_interval(0x1p-126f, 1e30f), Frama_C_float_interval(1e-4f, 0.5f));
+    x = kelly_gamma_log_weight(Frama_C_float_interval(-1e3f, 1e3f), Frama_C_float_interval(1e-4f, 0.5f));
     return 0;
 }

@@ -9,6 +9,8 @@
 #define SPEED 1e7f                       /* [rad/s] of the stages, torque-free */
 #define MOST (2 * SPEED / KELLY_MODES_MAX)   /* [rad/s] what one mode has in it: its state times its weight */
 
+void kelly_block_resync(kelly_block *block, unsigned lane);
+
 static kelly_block block;
 static kelly_modes modes;
 
@@ -108,6 +110,10 @@ static void at_exact_phase(void)
     any_block(1, LARGEST_M, R(1.0));
     block.tick = KELLY_RESYNC * Frama_C_unsigned_int_interval(0, UINT32_MAX / KELLY_RESYNC);
     kelly_block_advance(&block, 1);
+    any_block(1, LARGEST_M, R(1.0));
+    kelly_block_resync(&block, 0);
+    //@ assert \is_finite(block.lane[0].wave) && -2e12 <= block.lane[0].wave <= 2e12;
+    //@ assert \is_finite(block.lane[0].dwave) && -4e12 <= block.lane[0].dwave <= 4e12;
 }
 
 int main(void)

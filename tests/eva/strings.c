@@ -41,6 +41,24 @@ static void any_draw(void)
     draw.w0 = any_real(0, R(1.8e5));
 }
 
+/* Shapes of two modes at three nodes, straight in s: the CRC goes over all of any table in the same way. */
+static void shapes(void)
+{
+    static real x[3], twist[12], axial[12], gram[6];
+    kelly_table small = kelly_string;
+    kelly_shapes of = { .schema = any_u32(), .real_bytes = any_u32(), .crc = any_u32(), .id = kelly_string.id, .x = x, .twist = twist,
+                        .axial = axial, .twist_gram = gram, .axial_gram = gram };
+
+    small.torsional = small.axial = 2;
+    small.degree = 1;
+    small.nodes = 3;
+    for (unsigned k = 0; k < 12; k++) {
+        twist[k] = axial[k] = any_real(-ANY_REAL, ANY_REAL);
+        x[k % 3] = gram[k % 6] = twist[k];
+    }
+    (void)kelly_shapes_error(&small, &of);
+}
+
 static void tables(void)
 {
     kelly_table table = kelly_string;
@@ -51,7 +69,11 @@ static void tables(void)
     table.real_bytes = any_u32();
     table.torsional = Frama_C_unsigned_short_interval(0, 65535);
     table.axial = Frama_C_unsigned_short_interval(0, 65535);
-    (void)kelly_table_error(&table);
+    table.degree = Frama_C_unsigned_short_interval(0, 65535);
+    table.head_crc = any_u32();
+    (void)kelly_table_head_error(&table);
+    (void)kelly_table_error(&kelly_string);
+    shapes();
     known = kelly_modes_at(&kelly_string, any_real(R(-1e30), R(1e30)), Frama_C_unsigned_int_interval(0, UINT32_MAX), &modes);
     known += kelly_axial_modes_at(&kelly_string, any_real(R(-1e30), R(1e30)), Frama_C_unsigned_int_interval(0, UINT32_MAX), w2, b);
     if (kelly_modes_at(&kelly_string, any_real(R(-1e30), R(1e30)), 10, &modes)) {
@@ -89,11 +111,10 @@ static void rates(uint8_t torsional)
     any_case(torsional, 1);
     any_draw();
     (void)kelly_realise(&kelly_string, &run, &draw, &modes);
-    if (kelly_modes_at(&kelly_string, any_real(R(-1e30), R(1e30)), run.torsional, &modes)) {
-        (void)kelly_fastest_rate(&kelly_string, &run, &draw, &modes, draw.fc);
-        (void)kelly_smallest_step(&modes);
-        (void)kelly_largest_step(&kelly_string, &run, &draw, &modes);
-    }
+    (void)kelly_modes_at(&kelly_string, any_real(R(1e3), R(1e6)), torsional, &modes);
+    (void)kelly_fastest_rate(&kelly_string, &run, &draw, &modes, draw.fc);
+    (void)kelly_smallest_step(&modes);
+    (void)kelly_largest_step(&kelly_string, &run, &draw, &modes);
 }
 
 static void axial(uint8_t count)
