@@ -60,6 +60,21 @@ static void counts_turns_exactly(void)
           BY_REAL(2.0, 1e-5));
 }
 
+/* Sine and cosine between two settings by the phase, at a turn close to the longest: a term of either series that is off would add up. */
+static void turns_by_the_series(void)
+{
+    const uint32_t steps = 60;
+    const kelly_driven_lane *const on = &plant->driven.lane[0];
+    const wide angle = W(0.24) * (wide)steps;
+
+    fixture_case(&run, 1000);
+    kelly_draw_nominal(&run, &draw);
+    EQUAL(kelly_plant_start_commanded(plant, &kelly_string, &run, &draw, R(240.0)), KELLY_OK);
+    kelly_plant_advance(plant, steps);
+    CLOSE((wide)on->sine, textbook_sin(angle), BY_REAL(1e-5, 1e-9));
+    CLOSE((wide)on->cosine, textbook_cos(angle), BY_REAL(1e-5, 1e-9));
+}
+
 static void only_what_is_commanded_obeys(void)
 {
     kelly_sight before, after;
@@ -312,6 +327,7 @@ void test_drive(void)
 {
     follows_commands();
     counts_turns_exactly();
+    turns_by_the_series();
     only_what_is_commanded_obeys();
     says_what_it_allows();
     ends_at_the_stiff_top(0);
