@@ -236,6 +236,24 @@ static void knows_the_insane(void)
     CHECK(!kelly_driven_sane(driven, 0));
 }
 
+/* Sine or cosine off theta_top is seen at once, and still known after the next exact evaluation has put it right. */
+static void knows_an_angle_astray(void)
+{
+    kelly_driven *const driven = &plant->driven;
+    vreal *const place[] = { &driven->lane[0].sine, &driven->lane[0].cosine };
+
+    for (unsigned p = 0; p < 2; p++) {
+        soft_case(4000);
+        EQUAL(kelly_plant_start(plant, &kelly_string, &run, &draw), KELLY_OK);
+        kelly_plant_advance(plant, KELLY_RESYNC);
+        CHECK(!kelly_driven_strays(driven, 0) && kelly_driven_sane(driven, 0));
+        *place[p] += R(0.01);
+        CHECK(kelly_driven_strays(driven, 0) && !kelly_driven_sane(driven, 0));
+        kelly_plant_advance(plant, 1);
+        CHECK(!kelly_driven_strays(driven, 0) && driven->strayed[0] && !kelly_driven_sane(driven, 0));
+    }
+}
+
 /* ---- bits ------------------------------------------------------------------------------------------------------------ */
 
 static void plant_is_the_ensemble_realisation(void)
@@ -338,6 +356,7 @@ void test_drive(void)
     bounds_are_those_of_mode_and_rotor();
     refuses_bad_drives();
     knows_the_insane();
+    knows_an_angle_astray();
     plant_is_the_ensemble_realisation();
     mean_is_that_of_the_bit();
     gives_the_bits_of_the_host();

@@ -1,4 +1,5 @@
 /* test_string_model.c - the table: refused where it does not fit, evaluated as written. */
+#include "../firmware/link/crc32c.h"
 #include "check.h"
 #include "fixture.h"
 
@@ -68,6 +69,70 @@ static void finds_damage(void)
     CHECK(kelly_table_error(&table) == 0);
     w2[n - 1] += 1;
     CHECK(damaged(&table));
+}
+
+/* An id without an end is read no further than it may be long. */
+static void bounds_the_id(void)
+{
+    char id[KELLY_ID_MAX + 1];
+    kelly_table table = kelly_string;
+
+    for (unsigned k = 0; k < sizeof(id); k++) {
+        id[k] = 'x';
+    }
+    table.id = id;
+    CHECK(damaged(&table));
+}
+
+static uint32_t add_real(uint32_t crc, real x)
+{
+    const uint64_t bits = fixture_bits(x);
+    uint8_t bytes[sizeof(real)];
+
+    for (unsigned k = 0; k < sizeof(real); k++) {
+        bytes[k] = (uint8_t)(bits >> (8 * k));
+    }
+    return kelly_crc32c(crc, bytes, sizeof(real));
+}
+
+static int shapes_say(const kelly_table *table, const kelly_shapes *shapes, const char *what)
+{
+    const char *const error = kelly_shapes_error(table, shapes);
+
+    return error != 0 && starts_with(error, what);
+}
+
+/* Shapes of two torsional modes and one axial at three nodes, by straight lines in s: 6, 12, 6, 6 and 2 numbers after the nodes. */
+static void checks_the_shapes(void)
+{
+    static const char other[] = "the mode shapes are those of another table", spoilt[] = "the mode shapes are damaged";
+    real numbers[3 + 12 + 6 + 6 + 2];
+    kelly_table table = { .id = "small-1", .torsional = 2, .axial = 1, .degree = 1, .nodes = 3 };
+    kelly_shapes shapes = { .schema = KELLY_SCHEMA, .real_bytes = sizeof(real), .id = "small-1", .x = numbers, .twist = numbers + 3,
+                            .axial = numbers + 15, .twist_gram = numbers + 21, .axial_gram = numbers + 27 };
+
+    for (unsigned k = 0; k < sizeof(numbers) / sizeof(numbers[0]); k++) {
+        numbers[k] = (real)(k + 1u) * R(0.3);
+        shapes.crc = add_real(shapes.crc, numbers[k]);
+    }
+    CHECK(kelly_shapes_error(&table, &shapes) == 0);
+    for (unsigned k = 0; k < sizeof(numbers) / sizeof(numbers[0]); k++) {
+        numbers[k] += R(1.0);
+        CHECK(shapes_say(&table, &shapes, spoilt));
+        numbers[k] = (real)(k + 1u) * R(0.3);
+    }
+    shapes.id = "small-2";
+    CHECK(shapes_say(&table, &shapes, other));
+    shapes.id = "small";
+    CHECK(shapes_say(&table, &shapes, other));
+    shapes.id = "small-10";
+    CHECK(shapes_say(&table, &shapes, other));
+    shapes.id = table.id;
+    shapes.schema++;
+    CHECK(shapes_say(&table, &shapes, other));
+    shapes.schema--;
+    shapes.real_bytes++;
+    CHECK(shapes_say(&table, &shapes, other));
 }
 
 static void evaluates_polynomials(void)
@@ -154,6 +219,8 @@ void test_string_model(void)
 {
     refuses_other_tables();
     finds_damage();
+    bounds_the_id();
+    checks_the_shapes();
     evaluates_polynomials();
     gives_the_paper_modes();
     keeps_to_its_range();
