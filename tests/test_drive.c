@@ -185,6 +185,9 @@ static void bounds_are_those_of_mode_and_rotor(void)
     draw.w0 = R(0.001);
     run.drive.impedance = R(0.001);
     CLOSE((wide)kelly_largest_step(&kelly_string, &run, &draw, &modes) * textbook_sqrt((w2 * total + ki) / rotor), W(2.8), BY_REAL(1e-3, 1e-5));
+    run.drive.inertia = R(1.0);                            /* the lightest top turns a quarter of a radian a step, too */
+    draw.w0 = R(2000.0);
+    CLOSE((wide)kelly_largest_step(&kelly_string, &run, &draw, &modes) * W(2000.0), W(0.25), W(1e-6));
 }
 
 static void refuses_bad_drives(void)

@@ -157,6 +157,9 @@ static void begins_nothing_of_a_changed_table(void)
     table.beta = table.beta * R(1.000001);
     kelly_run(&table, &run, 4, 7, 1, results, &fixture.ensemble.work);
     expect_corrupt(&results[0]);
+    run.drive = (kelly_drive){ .inertia = R(2900.0), .impedance = R(289.0), .hz = R(0.2) };
+    kelly_run(&table, &run, 4, 7, 1, results, &fixture.ensemble.work);
+    expect_corrupt(&results[0]);
 }
 
 /* A run begun and advanced, its block spoilt by `spoil`, gives no result. The last one spoils nothing. */

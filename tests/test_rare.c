@@ -153,6 +153,56 @@ static void follows_a_hint_that_helps(void)
     advised = NO_HINT;
 }
 
+/* The hint leads on where a fifth of its moves is accepted, and not where fewer are. */
+static void drops_a_hint_below_a_fifth(void)
+{
+    for (unsigned enough = 0; enough < 2; enough++) {
+        kelly_rare_level *const level = &rare.levels[1];
+
+        advised = GOOD;
+        CHECK(kelly_rare_start(&rare, normals, 5, 200, samples, keys) == 0);
+        kelly_rare_lead(&rare, hint, &advised);
+        while (kelly_rare_count(&rare) > 0 && !(rare.level == 1 && rare.quarter == 0 && rare.at == KELLY_RARE_STATES - 1)) {
+            for (uint32_t i = rare.first; i < rare.first + rare.count; i++) {
+                samples[i].guide = plane(&samples[i], 3.0f);
+            }
+            kelly_rare_accept(&rare);
+        }
+        for (uint32_t i = rare.first; i < rare.first + rare.count; i++) {
+            samples[i].guide = 0;                          /* none of these last five is accepted */
+        }
+        level->led = 1000 - (rare.at % 3 != 0 ? rare.count : 0);
+        level->led_accepted = 199 + enough;
+        kelly_rare_accept(&rare);
+        EQUAL(level->led, 1000);
+        EQUAL(rare.leads, enough);
+    }
+    advised = NO_HINT;
+}
+
+/* A move that the laws refuse leaves its sample as it was, to be run again. */
+static void runs_a_refused_move_again(void)
+{
+    static const float wide_laws[KELLY_PARAMETERS] = { 0.5f, 0.5f, 0.5f, 0.5f, 0.5f };
+    uint32_t again = 0, moves = 0;
+
+    CHECK(kelly_rare_start(&rare, wide_laws, 3, 200, samples, keys) == 0);
+    while (kelly_rare_count(&rare) > 0) {
+        for (uint32_t i = rare.first; i < rare.first + rare.count; i++) {
+            const kelly_rare_sample *const old = rare.level > 0 ? &samples[i - rare.chains] : 0;
+
+            moves += rare.level > 0;
+            if (old && samples[i].id == old->id) {
+                again++;
+                CHECK(samples[i].x[0] == old->x[0] && samples[i].x[4] == old->x[4] && samples[i].guide == old->guide);
+            }
+            samples[i].guide = plane(&samples[i], 4.0f);
+        }
+        kelly_rare_accept(&rare);
+    }
+    CHECK(again > 0 && again < moves / 4);
+}
+
 static int is_first(uint32_t i)
 {
     for (uint32_t j = 0; j < i; j++) {
@@ -161,6 +211,23 @@ static int is_first(uint32_t i)
         }
     }
     return 1;
+}
+
+/* Squared coefficient of variation of the last level's p, eq. 27 and 29 of Au and Beck: of chains `chains` apart in the samples. */
+static wide spread_of_the_last_level(void)
+{
+    const wide n = (wide)rare.n, p = (wide)rare.levels[rare.level].failed / n;
+    wide gamma = 0;
+
+    for (uint32_t lag = 1; lag < KELLY_RARE_STATES; lag++) {
+        uint32_t both = 0;
+
+        for (uint32_t i = 0; i < rare.n - lag * rare.chains; i++) {
+            both += kelly_rare_failed(&samples[i]) && kelly_rare_failed(&samples[i + lag * rare.chains]);
+        }
+        gamma += 2 * (1 - W(0.1) * (wide)lag) * ((wide)both / (n - (wide)(lag * rare.chains)) - p * p) / (p - p * p);
+    }
+    return (1 - p) / (p * n) * (1 + (gamma > 0 ? gamma : 0));
 }
 
 /* Copies share their id and everything else; the last event holds its samples. */
@@ -179,6 +246,8 @@ static void leaves_samples_of_the_event(void)
     EQUAL(failed, rare.levels[rare.level].failed);
     EQUAL(rare.realisations, 200 + 180 * rare.level);
     EQUAL(rare.distinct, distinct);
+    CLOSE(rare.levels[rare.level].variance / spread_of_the_last_level(), 1, W(1e-5));
+    CHECK(spread_of_the_last_level() > W(1.2) * (200 - (wide)failed) / (200 * (wide)failed));    /* the chains do depend */
     CHECK(distinct >= KELLY_RARE_DISTINCT && distinct < failed);
 }
 
@@ -187,6 +256,7 @@ static void is_plain_where_that_is_enough(void)
 {
     CHECK(simulate(PLANE, normals, 0.0f, 3, 200));
     CHECK(answer.plain && rare.level == 0 && rare.realisations == 200);
+    CLOSE(rare.levels[0].variance * 200 * rare.levels[0].failed / (200 - rare.levels[0].failed), 1, W(1e-6));    /* (1 - p) / (p n) */
     CLOSE(answer.probability, (wide)rare.levels[0].failed / 200, W(1e-7));
     CHECK(answer.lo == kelly_binomial_lo(rare.levels[0].failed, 200, W(0.025)));
     CHECK(answer.hi == kelly_binomial_hi(rare.levels[0].failed, 200, W(0.025)));
@@ -260,10 +330,15 @@ static void reports_nothing_below_its_least(void)
 /* P = 0.81 known within a factor of ten: the interval ends at 1. */
 static void ends_its_interval_at_one(void)
 {
-    rare = (kelly_rare){ .n = 200, .level = 1, .levels = { { .inside = 180, .variance = 1 }, { .inside = 180 } } };
+    rare = (kelly_rare){ .n = 200, .level = 1, .levels = { { .inside = 180, .variance = W(0.02) }, { .inside = 180, .variance = W(0.03) } } };
     kelly_rare_read(&rare, &answer);
-    CLOSE(answer.probability, W(0.81), W(1e-12));
-    CHECK(!answer.plain && answer.hi == 1 && answer.lo < W(0.2) && answer.lo > 0);
+    CLOSE(answer.probability, W(0.81), W(1e-6));
+    CLOSE(answer.cov, W(0.2795085), W(1e-6));              /* 1.25 sqrt(0.05) */
+    CLOSE(answer.lo, W(0.4714750), W(1e-5));               /* P exp(-1.96 1.25 sqrt(ln 1.05)) */
+    CHECK(!answer.plain && answer.hi == 1);
+    rare.levels[1].inside = 20;
+    kelly_rare_read(&rare, &answer);
+    CLOSE(answer.hi, W(0.1546211), W(1e-5));
 }
 
 /* The first parameter is all that this hint sees: how far it lies from where a move began. */
@@ -394,6 +469,10 @@ static void guesses_from_the_linear_string(void)
     CHECK(kelly_rare_guess(&string, x) < -1e5f);
     x[0] = -40.0f;                                         /* no gamma variable is negative */
     CHECK(kelly_rare_guess(&string, x) < -1e5f);
+    run.cov[1] = 0.5f;
+    x[0] = 0.0f;
+    x[1] = -40.0f;
+    CHECK(kelly_rare_guess(&string, x) == kelly_rare_guess(&string, (const float[KELLY_PARAMETERS]){ -40.0f }));
 }
 
 /* A run of given draws is the run of the seed that drew them. */
@@ -458,6 +537,8 @@ void test_rare(void)
 {
     has_the_same_bits_everywhere();
     follows_a_hint_that_helps();
+    drops_a_hint_below_a_fifth();
+    runs_a_refused_move_again();
     leaves_samples_of_the_event();
     is_plain_where_that_is_enough();
     draws_what_kelly_run_draws();

@@ -26,12 +26,12 @@ static void refuses_other_tables(void)
     table.torsional = 0;
     CHECK(kelly_table_error(&table) != 0 && starts_with(kelly_table_error(&table), "table carries"));
     table.torsional = KELLY_MODES_MAX + 1;
-    CHECK(kelly_table_error(&table) != 0);
+    CHECK(kelly_table_error(&table) != 0 && starts_with(kelly_table_error(&table), "table carries"));
     table = kelly_string;
     table.axial = 0;
-    CHECK(kelly_table_error(&table) != 0);
+    CHECK(kelly_table_error(&table) != 0 && starts_with(kelly_table_error(&table), "table carries"));
     table.axial = KELLY_MODES_MAX + 1;
-    CHECK(kelly_table_error(&table) != 0);
+    CHECK(kelly_table_error(&table) != 0 && starts_with(kelly_table_error(&table), "table carries"));
 }
 
 static int damaged(const kelly_table *table)
@@ -84,15 +84,60 @@ static void bounds_the_id(void)
     CHECK(damaged(&table));
 }
 
+static uint32_t add_bytes(uint32_t crc, uint64_t bits, unsigned count)
+{
+    for (unsigned k = 0; k < count; k++) {
+        const uint8_t byte = (uint8_t)(bits >> (8 * k));
+
+        crc = kelly_crc32c(crc, &byte, 1);
+    }
+    return crc;
+}
+
 static uint32_t add_real(uint32_t crc, real x)
 {
-    const uint64_t bits = fixture_bits(x);
-    uint8_t bytes[sizeof(real)];
+    return add_bytes(crc, fixture_bits(x), sizeof(real));
+}
 
-    for (unsigned k = 0; k < sizeof(real); k++) {
-        bytes[k] = (uint8_t)(bits >> (8 * k));
+/* By string_model.h, number by number. */
+static uint32_t head_of(const kelly_table *t)
+{
+    const kelly_case *const n = &t->nominal;
+    const uint16_t counts[] = { t->torsional, t->axial, t->degree, t->nodes };
+    const real model[] = { t->fc_min, t->fc_max, t->fc_mid, t->fc_scale, t->alpha, t->beta, t->inertia, t->impedance };
+    const real means[] = { n->fc, n->mu, n->a1, n->a2, n->w0, n->f0 }, drive[] = { n->drive.inertia, n->drive.impedance, n->drive.hz };
+    const uint32_t times[] = { n->step_ns, n->ticks, n->window_first, n->window_last };
+    const uint8_t modes[] = { n->torsional, n->axial, n->rotating };
+    uint32_t crc = 0;
+
+    for (unsigned k = 0; k < 4; k++) crc = add_bytes(crc, counts[k], 2);
+    for (unsigned k = 0; k < 8; k++) crc = add_real(crc, model[k]);
+    for (unsigned k = 0; k < 6; k++) crc = add_real(crc, means[k]);
+    for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
+        const union { float x; uint32_t bits; } u = { .x = n->cov[k] };
+
+        crc = add_bytes(crc, u.bits, 4);
     }
-    return kelly_crc32c(crc, bytes, sizeof(real));
+    crc = add_real(crc, n->limit);
+    for (unsigned k = 0; k < 4; k++) crc = add_bytes(crc, times[k], 4);
+    crc = kelly_crc32c(crc, modes, sizeof(modes));
+    for (unsigned k = 0; k < 3; k++) crc = add_real(crc, drive[k]);
+    for (const char *c = t->id; *c != '\0'; c++) crc = add_bytes(crc, (uint8_t)*c, 1);
+    return crc;
+}
+
+/* The highest degree is a degree, one more is none whatever its CRC says. */
+static void bounds_the_degree(void)
+{
+    kelly_table table = kelly_string;
+
+    EQUAL(kelly_string.head_crc, head_of(&kelly_string));
+    table.degree = KELLY_DEGREE_MAX;
+    table.head_crc = head_of(&table);
+    CHECK(kelly_table_head_error(&table) == 0);
+    table.degree = KELLY_DEGREE_MAX + 1;
+    table.head_crc = head_of(&table);
+    CHECK(kelly_table_head_error(&table) != 0);
 }
 
 static int shapes_say(const kelly_table *table, const kelly_shapes *shapes, const char *what)
@@ -220,6 +265,7 @@ void test_string_model(void)
     refuses_other_tables();
     finds_damage();
     bounds_the_id();
+    bounds_the_degree();
     checks_the_shapes();
     evaluates_polynomials();
     gives_the_paper_modes();
