@@ -304,6 +304,7 @@ ifeq ($(filter-out host,$(TARGET)),)
 study: all unit                               ## small probabilities, sensitivity, what-ifs, stopping, more than one machine: build/study.md; ten minutes
 	@sh tests/install $$(sed -n 's/^test: //p' tests/packages.txt)
 	@$(MAKE) -s all unit REAL=double
+	@$(MAKE) -s mpi
 	@$(with_python) tests/study.py build/study.md
 
 size:                                         ## flash, RAM, stack, instructions a step of every board; TARGET=NAME: one
@@ -324,14 +325,17 @@ dist:                                         ## build/kelly-VERSION.tar.gz: the
 	@rm $(archive).tar $(archive).txt $(archive).all
 	@echo $(archive).tar.gz
 
-readme: $(dir)/kelly size                     ## the tables of the README from runs on this tree (after make test, make bench and make drives)
+readme: $(dir)/kelly size                     ## the tables of the README from runs on this tree (after make test, prove, study, bench and drives)
 	@{ echo '    $$ make run'; $(MAKE) -s run | sed 's/^/    /'; } > build/run.md
 	@$(dir)/kelly modes | sed 's/^/    /' > build/modes.md
 	@$(with_python) tests/m4_cycles.py > build/cycles.md
 	@for t in stm32f405 mps2-an500 rv32; do $(MAKE) -s TARGET=$$t device || exit 1; done
-	@for part in drives benches; do $(with_python) tests/readme_runs.py $$part > build/$$part.md || exit 1; done
+	@$(MAKE) -s mpi
+	@for part in drives benches plan; do $(with_python) tests/readme_runs.py $$part > build/$$part.md || exit 1; done
+	@{ printf '| what | figure | from |\n|---|---|---|\n'; cat build/gates-test.md build/gates-prove.md; grep '^| ' tests/campaign.md | tail -n +2; } > build/gates.md
 	@$(with_python) tests/readme_tables.py README.md run=build/run.md modes=build/modes.md digests=build/digests.md bench=build/bench.md \
-	    size=build/size.md cycles=build/cycles.md drives=build/drives.md benches=build/benches.md
+	    size=build/size.md cycles=build/cycles.md drives=build/drives.md benches=build/benches.md rare=build/study-rare.md \
+	    plan=build/plan.md gates=build/gates.md
 
 convergence:                                  ## how many elements and modes are enough for WELL (some 40 s)
 	@$(with_python) gen '$(WELL)' --convergence

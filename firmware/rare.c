@@ -191,7 +191,8 @@ static void draw_all(kelly_rare *rare)
     rare->first = 0;
     rare->count = rare->n;
     for (uint32_t i = 0; i < rare->n; i++) {
-        rare->samples[i] = (kelly_rare_sample){ .id = rare->realisations++ };
+        rare->samples[i] = (kelly_rare_sample){ .id = rare->realisations };
+        rare->realisations++;
         for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
             kelly_rng rng;
 
@@ -237,7 +238,8 @@ static void adapt(kelly_rare *rare)
     const float factor = 1.0f + ((float)(int32_t)rare->straight_accepted / (float)(int32_t)rare->straight - TARGET);
     const float step = rare->step * (factor * factor);
 
-    rare->straight = rare->straight_accepted = 0;
+    rare->straight = 0;
+    rare->straight_accepted = 0;
     rare->leads = rare->leads && now(rare)->led_accepted * MISLED >= now(rare)->led;
     rare->step = step < LEAST_STEP ? LEAST_STEP : step > MOST_STEP ? MOST_STEP : step;
     now(rare)->step = rare->step;

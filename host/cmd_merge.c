@@ -217,7 +217,7 @@ static void add_csv(outcome *out, const part *p)
     if (ferror(in)) {
         die(EXIT_FAILED, "%s: cannot be read: %s", p->csv, strerror(errno));
     }
-    fclose(in);
+    (void)fclose(in);
     if (crc != p->is.csv_crc) {
         die(EXIT_USAGE, "%s: not the file that %s is of (CRC-32C %08x, there %08x): changed, cut short or of another run; run the part again",
             p->csv, p->is.of.path, crc, p->is.csv_crc);

@@ -143,6 +143,7 @@ static void measure(plan *p)
 
 typedef struct {
     uint32_t left, count;        /* errands to be given; results of each */
+    uint32_t places;             /* errands under way at most */
     kelly_result *results;
 } ping;
 
@@ -150,7 +151,7 @@ static int give_ping(void *context, errand *e)
 {
     ping *const p = context;
 
-    *e = (errand){ .count = p->count, .results = p->results + (size_t)(p->left % (TEAM_DEPTH * team_others())) * p->count };
+    *e = (errand){ .count = p->count, .results = p->results + (size_t)(p->left % p->places) * p->count };
     return p->left > 0 && p->left-- > 0;
 }
 
@@ -177,16 +178,21 @@ static double since_mpirun(void)
     char path[64], text[1024] = "";
     unsigned long long ticks = 0;
     const char *at;
+    char *end = 0;
     FILE *from;
 
     snprintf(path, sizeof(path), "/proc/%d/stat", (int)getppid());
     from = fopen(path, "r");
     if (from) {
         (void)!fgets(text, sizeof(text), from);
-        fclose(from);
+        (void)fclose(from);
     }
-    at = strrchr(text, ')');   /* the 20th field behind the name */
-    if (!at || sscanf(at + 1, " %*c %*d %*d %*d %*d %*d %*u %*u %*u %*u %*u %*u %*u %*d %*d %*d %*d %*d %*d %llu", &ticks) != 1) {
+    at = strrchr(text, ')');
+    for (unsigned field = 0; at && field < 20; field++) {   /* the 20th behind the name */
+        at = strchr(at + 1, ' ');
+    }
+    ticks = at ? strtoull(at, &end, 10) : 0;
+    if (!at || end == at) {
         die(EXIT_FAILED, "%s: cannot be read; give --startup S", path);
     }
     return seconds_of(CLOCK_BOOTTIME) - (double)ticks / (double)sysconf(_SC_CLK_TCK);
@@ -203,7 +209,8 @@ static double memory_used(void)
 /* One errand, there and back; the leader's own time in many. Other work on the machine can only add: the least of several. */
 static void measure_team(plan *p)
 {
-    ping all = { .count = p->lanes, .results = calloc((size_t)TEAM_DEPTH * team_others() * p->lanes, sizeof(kelly_result)) };
+    const uint32_t places = TEAM_DEPTH * team_others();
+    ping all = { .count = p->lanes, .places = places, .results = places > 0 ? calloc((size_t)places * p->lanes, sizeof(kelly_result)) : 0 };
     const team_source source = { &all, give_ping, take_ping, pings_over, sizeof(kelly_result) };
     const double before = memory_used();
     double both = HUGE_VAL, own = HUGE_VAL, starting;
@@ -326,7 +333,7 @@ int command_plan(int argc, char **argv)
                       .process = 30e6 };
     row rows[ROWS];
     unsigned count = 0;
-    outfile json;
+    outfile json = { 0 };
 
     options_parse(&p.opts, argc, argv, TAKES_CASE | TAKES_JSON, "plan", own_option, &p);
     p.engine = p.engine ? p.engine : engine_choose(0);

@@ -72,7 +72,9 @@ _Noreturn void die(int status, const char *format, ...)
     (void)vsnprintf(text, sizeof(text), format, args);
     va_end(args);
     for (char *c = text; *c; c++) {   /* one line, whatever a file or an argument holds */
-        *c = (unsigned char)*c < ' ' || *c == 0x7f ? '?' : *c;
+        if ((unsigned char)*c < ' ' || *c == 0x7f) {
+            *c = '?';
+        }
     }
     if (team_rank() == 0 || status != EXIT_USAGE) {   /* a mistake in the arguments is found by all; one says so */
         fprintf(stderr, "kelly: %s\n", text);

@@ -227,7 +227,7 @@ static void end_of_earlier(journal *j)
     if (ferror(j->earlier)) {
         die(EXIT_FAILED, "%s: cannot be read: %s", j->path, strerror(errno));
     }
-    fclose(j->earlier);
+    (void)fclose(j->earlier);
     j->earlier = 0;
     if (end < size) {
         fprintf(stderr, "kelly: %s: dropped a torn tail of %lld bytes\n", j->path, (long long)(size - end));

@@ -126,6 +126,12 @@ def changes(name, text):
     return len(re.findall(rf"{word} *(?:\+\+|--|(?:[-+*/%&|^]|<<|>>)?=(?!=))|(?:\+\+|--){word}|{address}", text))
 
 
+def paths(text):
+    """What an expression reads: of a->b.c that is a, a->b and a->b.c."""
+    for match in re.finditer(rf"{NAME}(?:(?:->|\.){NAME})*", text):
+        yield from (match[0][:m.end()] for m in re.finditer(NAME, match[0]))
+
+
 def bounded(condition, step, body):
     for part in conjuncts(condition):
         match = COMPARES.match(part)
@@ -137,7 +143,7 @@ def bounded(condition, step, body):
         inside = changes(name, body)
         walked = re.findall(rf"^ *{re.escape(name)}(?:\+\+|--);", body, re.M)
         held = not re.search(rf"{NAME}\s*\(", re.sub(r"\b(?:sizeof|R|W)\s*\(", "(", limit))
-        held = held and not any(changes(n, body) or changes(n, step) for n in re.findall(NAME, limit))
+        held = held and not any(changes(n, body) or changes(n, step) for n in paths(limit))
         if held and ((own or steps == 1) and inside == 0 or not own and steps == 0 and len(walked) == 1 and inside == 1 and "continue" not in body):
             return True
     return False

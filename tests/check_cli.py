@@ -326,7 +326,8 @@ def check_mistakes():
     with tempfile.TemporaryDirectory() as where:
         for args in bad_usage.USAGE:
             refused(kelly("float", args, cwd=where), 2, args)
-            if not args.startswith(("modes", "nonsense")) and "--csv" not in args:   # another --csv would take its place
+            # another --csv would take its place, and --resume is right where there is an output
+            if not args.startswith(("modes", "nonsense")) and "--csv" not in args and "--resume" not in args:
                 refused(kelly("float", f"{args} {'--out' if args.startswith('sim') else '--csv'} {where}/left.csv", cwd=where), 2, args + " and a file")
         for args in bad_usage.FILES:
             refused(kelly("float", args.format(D=f"{where}/none", F=where), cwd=where), 1, args)

@@ -184,9 +184,7 @@ def gate(names):
 
 # ---- the study
 
-HEAD = """# Subset simulation on the drill string: seeds {first} .. {last}
-
-100 s, window 50:100, limit 0.8, 2400 samples a level. Spread: standard deviation over mean of the estimates; cov: what a run says of
+HEAD = """Seeds {first} .. {last}; 100 s, window 50:100, limit 0.8, 2400 samples a level. Spread: standard deviation over mean of the estimates; cov: what a run says of
 itself, on average. Plain: realisations of plain Monte Carlo for the same spread; gain: over those of a run.
 
 | case | reference | mean | ratio | spread | cov | covered | levels | realisations | acceptance | refused | plain | gain |

@@ -7,9 +7,10 @@ tool is planted in a file of its own and has to be found. What is checked, as wh
   kernel    firmware/, link/, tables/ as a host compiles them: double, one lane
   device    firmware/, link/, app/ as a board does: float, freestanding, one lane (clang-tidy and gcc: app/)
   NAME      the board files of a target of linker/, with the macros of its compiler
-  host      host/
+  host      host/ but mpi.c
+  mpi       host/mpi.c
 
-cppcheck and its MISRA addon on all but host; clang-tidy (.clang-tidy) and gcc with the Makefile's warnings and -fanalyzer on all;
+cppcheck and its MISRA addon on all but host and mpi; clang-tidy (.clang-tidy) and gcc with the Makefile's warnings and -fanalyzer on all;
 lines of a function on firmware/ and host/; loops, recursion (calls as gcc -O0 sees them) and function pointers on firmware/.
 
 Last line `N passed, N failed`.
@@ -71,8 +72,9 @@ def parts():
     double = ["-DKELLY_DOUBLE", "-Ifirmware/tables"]
     device = ["-ffreestanding", "-Ifirmware/tables", *BOARD_NAMES]
     host = ["-D_GNU_SOURCE", "-pthread", "-DKELLY_X86"]
+    mpi = host + ["-DKELLY_MPI"] + sh(["mpicc", "--showme:compile"]).stdout.replace("-I", "-isystem").split()
     found = [Part("kernel", kernel + tables, "gcc", double, double), Part("device", kernel + files("firmware/app/*.c"), "gcc", device, device),
-             Part("host", files("host/*.c"), "gcc", host, host)]
+             Part("host", [n for n in files("host/*.c") if n != "host/mpi.c"], "gcc", host, host), Part("mpi", ["host/mpi.c"], "gcc", mpi, mpi)]
     return found + [board(n) for n in BOARDS]
 
 
@@ -282,9 +284,9 @@ def table_holds():
 
 def run_tools(all_parts):
     """{tool: findings}, the calls of firmware/."""
-    jobs = [(cppcheck, p) for p in sorted(all_parts, key=lambda p: -len(p.sources)) if p.name != "host"]
+    jobs = [(cppcheck, p) for p in sorted(all_parts, key=lambda p: -len(p.sources)) if p.name not in ("host", "mpi")]
     jobs += [(tool, p, s) for p in all_parts for s in p.sources for tool in (clang_tidy, gcc) if p.name != "device" or "/app/" in s]
-    jobs += [(call_graph, p, s, OUT) for p in all_parts if p.name not in ("host", "kernel") for s in p.sources]
+    jobs += [(call_graph, p, s, OUT) for p in all_parts if p.name not in ("host", "mpi", "kernel") for s in p.sources]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         results = list(pool.map(lambda job: (job[0], job[0](*job[1:])), jobs))
     calls = {}
@@ -308,11 +310,13 @@ def say_figures(rows, found, sources, calls):
     print(f"figure: loops of firmware/: {len(loops)}, {sum(loop.bounded for loop in loops)} with a bound in sight, the others with one in the table")
     count = {r: sum(f[0] == "power-of-ten/" + r for f in found) for r in ("recursion", "indirect-call", "function-pointer")}
     print(f"figure: recursion in firmware/: {count['recursion']} of {len(calls)} functions that call")
-    print(f"figure: function pointers of firmware/: {count['function-pointer']} in one const table, {count['indirect-call']} calls through any")
+    pointers = [f[1] for f in found if f[0] == "power-of-ten/function-pointer"]
+    where = ", ".join(f"{pointers.count(n)} in {n}" for n in sorted(set(pointers)))
+    print(f"figure: function pointers of firmware/: {where}; {count['indirect-call']} functions call through one")
 
 
 def main():
-    missing = [t for t in ("cppcheck", "clang-tidy", "gcc", "arm-none-eabi-gcc", "riscv64-unknown-elf-gcc") if not shutil.which(t)]
+    missing = [t for t in ("cppcheck", "clang-tidy", "gcc", "mpicc", "arm-none-eabi-gcc", "riscv64-unknown-elf-gcc") if not shutil.which(t)]
     if missing:
         print(f"missing: {' '.join(missing)}\n0 passed, {len(missing)} failed")
         return 1

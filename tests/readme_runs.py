@@ -1,7 +1,8 @@
-"""The README's tables of drives and of the bench, from runs on this tree.
+"""The README's tables of drives, of the bench and of many cores, from runs on this tree.
 
     readme_runs.py drives > build/drives.md      after `make drives`
     readme_runs.py benches > build/benches.md    after `make TARGET=...` of BOARDS
+    readme_runs.py plan > build/plan.md          after `make mpi`
 """
 import json
 import subprocess
@@ -40,10 +41,10 @@ def drives():
               f"average ({min(falls):.0f} to {max(falls):.0f}); it rises in {sum(b > a for a, b in both)} cells.")
 
 
-def shown(*words):
-    """A command as one types it, and what it says."""
-    print("    $ " + " ".join([KELLY, *words]))
-    done = subprocess.run([KELLY, *words], capture_output=True, text=True, check=True)
+def shown(*words, program=(KELLY,), hidden=()):
+    """A command as one types it, and what it says; `hidden` are words that only a run without a user needs."""
+    print("    $ " + " ".join([*program, *words]))
+    done = subprocess.run([program[0], *hidden, *program[1:], *words], capture_output=True, text=True, check=True)
     print("".join(f"    {line}\n" for line in done.stdout.splitlines()))
 
 
@@ -58,7 +59,13 @@ def benches():
     shown("bench", "--port", "qemu:stm32f405", "--icount", "shift=5,sleep=off", "--mode", "realtime", "--duration", "60", "--overload", "7:1500")
 
 
+def plan():
+    shown("plan", "--mu", "0.004", program=("mpirun", "-n", "2", "build/mpi/kelly"), hidden=("--allow-run-as-root", "--oversubscribe"))
+
+
+PARTS = {"drives": drives, "benches": benches, "plan": plan}
+
 if __name__ == "__main__":
-    if sys.argv[1:] not in (["drives"], ["benches"]):
+    if len(sys.argv) != 2 or sys.argv[1] not in PARTS:
         sys.exit(__doc__)
-    {"drives": drives, "benches": benches}[sys.argv[1]]()
+    PARTS[sys.argv[1]]()

@@ -18,12 +18,13 @@ ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 KELLY = "build/host/kelly"
 PYTHON = sys.executable
 
-# name: (title, what it is, [(command, the lines of its output that are shown)])
+# name: (title, what it is, [(command, the lines of its output that are shown, or a file of Markdown that it writes)])
 SECTIONS = {
     "rare": (
         "Small probabilities",
-        "Subset simulation against references of plain Monte Carlo (rest, 100 s, every law at the same coefficient of variation).",
-        [(f"{PYTHON} tests/check_rare.py --study", r".*")]),
+        "Subset simulation beside references of plain Monte Carlo; `plain` is the number of realisations that plain Monte Carlo takes for the same "
+        "spread, `gain` that over the number taken here.",
+        [(f"{PYTHON} tests/check_rare.py --study", os.path.join("build", "study-rare.md"))]),
     "sensitivity": (
         "Which parameter the answer hangs on",
         "Sobol indices of P and of the severity; the estimators on Ishigami's function, 200 000 rows of seed 1, and how many of the 3000 "
@@ -40,6 +41,16 @@ SECTIONS = {
         "How often the interval, looked at after every realisation, ever misses P (1000 repetitions of 2000 realisations, seed 2026; 50 are allowed), "
         "and 100 runs of the model (seeds 0 to 99) that stopped by themselves.",
         [("build/host/unit", r" *P .*outside at any n.*"), (f"{PYTHON} tests/check_until.py", r"P = .*")]),
+    "machines": (
+        "Beyond one machine",
+        "One digest whatever computes it; a rank killed; two ranks against one; 1e9 realisations on more cores than there are here, on paper and simulated.",
+        [(f"{PYTHON} tests/check_mpi.py", r"figure: .*"), (f"{PYTHON} tests/mpi_efficiency.py", r".*"),
+         ("mpirun -n 2 --allow-run-as-root --oversubscribe build/mpi/kelly plan --mu 0.004", r".*")]),
+    "lost": (
+        "Nothing lost",
+        "Runs that were killed, or failed at a call, or whose journal was cut, and that --resume brought to the files of an uninterrupted run, "
+        "byte for byte but for the seconds they took.",
+        [(f"{PYTHON} tests/check_nothing_lost.py", r"figure: .*")]),
 }
 
 
@@ -54,9 +65,13 @@ def output(command):
 def run(command, shown):
     """-> (text of the report, whether it ended well). Seconds are shown: a reader wants to know what an answer costs."""
     text, status, seconds = output(command)
-    lines = [line for line in text.splitlines() if re.fullmatch(shown, line) or (status and line.startswith("FAIL"))]
+    lines = [line for line in text.splitlines() if (status and line.startswith("FAIL")) or (not shown.endswith(".md") and re.fullmatch(shown, line))]
+    said = "".join(f"    {line.removeprefix('figure: ')}\n" for line in lines)
+    if shown.endswith(".md"):
+        with open(os.path.join(ROOT, shown), encoding="utf-8") as file:
+            said = file.read() + said
     name = command.replace(PYTHON + " ", "")
-    return f"`{name}` ({seconds:.0f} s{f', FAILED with status {status}' if status else ''})\n\n" + "".join(f"    {line}\n" for line in lines) + "\n", status == 0
+    return f"`{name}` ({seconds:.0f} s{f', FAILED with status {status}' if status else ''})\n\n{said}\n", status == 0
 
 
 def machine():

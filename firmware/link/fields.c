@@ -72,9 +72,11 @@ static pair bits_of(real value)
     } else if (exponent == BIAS_STEP && fraction == 0) {
         exponent = 0;
     } else if (exponent == BIAS_STEP) {          /* subnormal as a float, normal as a double */
+        exponent++;
         //@ loop unroll 24;
-        for (exponent++; fraction < 0x800000u; exponent--) {
+        while (fraction < 0x800000u) {
             fraction <<= 1;
+            exponent--;
         }
         fraction &= 0x7fffffu;
     }

@@ -1,0 +1,25 @@
+/* rare_search.h - a run of kelly rare, and its report. */
+#ifndef KELLY_RARE_SEARCH_H
+#define KELLY_RARE_SEARCH_H
+
+#include "journal.h"
+#include "outcome.h"
+
+/* One run. */
+typedef struct {
+    const options *opts;
+    const kelly_engine *engine;
+    uint32_t samples;            /* a level */
+    kelly_rare rare;
+    kelly_rare_estimate answer;
+    outcome out;                 /* all realisations, their index the order of proposal */
+    kelly_draw *draws;
+    journal log;
+    double seconds;
+} search;
+
+/* The JSON of a run that is over, and its summary. `list` is scratch for `samples` numbers. */
+void rare_write_json(FILE *to, const search *s, double *list);
+void rare_print(const search *s, double *list);
+
+#endif
