@@ -31,6 +31,11 @@ CHECKS = {
     "whatif": "",
     "until": "",
     "sensitivity": "",
+    "rare": "bad_usage same_bits not_random refusals",
+    "merge": "cut misfits",
+    "nothing_lost": "order foreign",
+    "plan": "",
+    "mpi": "more map mistakes",
     "bench": "",
 }
 LEAST = {"firmware lines": 100.0, "firmware branches": 99.0, "host lines": 90.0}
@@ -168,7 +173,7 @@ def main():
     profiles, programs = unit_programs()
     firmware(profiles, programs, args.missed)
     if not args.kernel:
-        kelly = [os.path.join(TREE, "build", d, "kelly") for d in ("host", "host-double")]
+        kelly = [os.path.join(TREE, "build", d, "kelly") for d in ("host", "host-double", "mpi")]
         checks = [run(check, [sys.executable, f"tests/check_{check}.py", *CHECKS[check].split()]) for check in CHECKS]
         host(checks, kelly, args.missed)
     print(f"{count[True]} passed, {count[False]} failed")

@@ -202,6 +202,7 @@ static void roots_are_exact(void)
     CHECK(kelly_sqrt32_integer(0x1.000002p0f) == 1.0f);
     CHECK(kelly_sqrt32_integer(0x1.fffffep127f) == 0x1.fffffep63f);
     CHECK(kelly_sqrt32_integer(0x1p-149f) == 0x1.6a09e6p-75f);
+    CHECK(kelly_sqrt32_integer(0x1p-148f) == 0x1p-74f);
     CHECK(kelly_sqrt32_integer((bits_of_float){.bits = 0x7f800000u}.value) == (bits_of_float){.bits = 0x7f800000u}.value);   /* infinity */
 }
 

@@ -60,6 +60,21 @@ static void counts_turns_exactly(void)
           BY_REAL(2.0, 1e-5));
 }
 
+/* Sine and cosine between two settings by the phase, at a turn close to the longest: a term of either series that is off would add up. */
+static void turns_by_the_series(void)
+{
+    const uint32_t steps = 60;
+    const kelly_driven_lane *const on = &plant->driven.lane[0];
+    const wide angle = W(0.24) * (wide)steps;
+
+    fixture_case(&run, 1000);
+    kelly_draw_nominal(&run, &draw);
+    EQUAL(kelly_plant_start_commanded(plant, &kelly_string, &run, &draw, R(240.0)), KELLY_OK);
+    kelly_plant_advance(plant, steps);
+    CLOSE((wide)on->sine, textbook_sin(angle), BY_REAL(1e-5, 1e-9));
+    CLOSE((wide)on->cosine, textbook_cos(angle), BY_REAL(1e-5, 1e-9));
+}
+
 static void only_what_is_commanded_obeys(void)
 {
     kelly_sight before, after;
@@ -170,6 +185,9 @@ static void bounds_are_those_of_mode_and_rotor(void)
     draw.w0 = R(0.001);
     run.drive.impedance = R(0.001);
     CLOSE((wide)kelly_largest_step(&kelly_string, &run, &draw, &modes) * textbook_sqrt((w2 * total + ki) / rotor), W(2.8), BY_REAL(1e-3, 1e-5));
+    run.drive.inertia = R(1.0);                            /* the lightest top turns a quarter of a radian a step, too */
+    draw.w0 = R(2000.0);
+    CLOSE((wide)kelly_largest_step(&kelly_string, &run, &draw, &modes) * W(2000.0), W(0.25), W(1e-6));
 }
 
 static void refuses_bad_drives(void)
@@ -219,6 +237,24 @@ static void knows_the_insane(void)
     CHECK(kelly_driven_sane(driven, 0));
     on->speed = R(1e6);
     CHECK(!kelly_driven_sane(driven, 0));
+}
+
+/* Sine or cosine off theta_top is seen at once, and still known after the next exact evaluation has put it right. */
+static void knows_an_angle_astray(void)
+{
+    kelly_driven *const driven = &plant->driven;
+    vreal *const place[] = { &driven->lane[0].sine, &driven->lane[0].cosine };
+
+    for (unsigned p = 0; p < 2; p++) {
+        soft_case(4000);
+        EQUAL(kelly_plant_start(plant, &kelly_string, &run, &draw), KELLY_OK);
+        kelly_plant_advance(plant, KELLY_RESYNC);
+        CHECK(!kelly_driven_strays(driven, 0) && kelly_driven_sane(driven, 0));
+        *place[p] += R(0.01);
+        CHECK(kelly_driven_strays(driven, 0) && !kelly_driven_sane(driven, 0));
+        kelly_plant_advance(plant, 1);
+        CHECK(!kelly_driven_strays(driven, 0) && driven->strayed[0] && !kelly_driven_sane(driven, 0));
+    }
 }
 
 /* ---- bits ------------------------------------------------------------------------------------------------------------ */
@@ -312,6 +348,7 @@ void test_drive(void)
 {
     follows_commands();
     counts_turns_exactly();
+    turns_by_the_series();
     only_what_is_commanded_obeys();
     says_what_it_allows();
     ends_at_the_stiff_top(0);
@@ -322,6 +359,7 @@ void test_drive(void)
     bounds_are_those_of_mode_and_rotor();
     refuses_bad_drives();
     knows_the_insane();
+    knows_an_angle_astray();
     plant_is_the_ensemble_realisation();
     mean_is_that_of_the_bit();
     gives_the_bits_of_the_host();

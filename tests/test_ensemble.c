@@ -142,6 +142,55 @@ static void refuses_without_guessing(void)
     expect_refused(&results[0], KELLY_NONFINITE);
 }
 
+static void expect_corrupt(kelly_result *r)
+{
+    expect_refused(r, KELLY_CORRUPT);
+    *r = (kelly_result){ .status = KELLY_OK, .ss = R(3.0), .stuck = 1 };
+}
+
+/* A table that has changed begins nothing: the draw alone is told. */
+static void begins_nothing_of_a_changed_table(void)
+{
+    kelly_table table = kelly_string;
+
+    random_case(40);
+    table.beta = table.beta * R(1.000001);
+    kelly_run(&table, &run, 4, 7, 1, results, &fixture.ensemble.work);
+    expect_corrupt(&results[0]);
+    run.drive = (kelly_drive){ .inertia = R(2900.0), .impedance = R(289.0), .hz = R(0.2) };
+    kelly_run(&table, &run, 4, 7, 1, results, &fixture.ensemble.work);
+    expect_corrupt(&results[0]);
+}
+
+/* A run begun and advanced, its block spoilt by `spoil`, gives no result. The last one spoils nothing. */
+static void gives_up_what_has_changed(void)
+{
+    enum { ARRAYS, TICK, BLOCK_TICK, DRAW, CASE, NOTHING };
+    real w2[KELLY_MODES_MAX * (KELLY_DEGREE_MAX + 1)];
+    kelly_table table = kelly_string;
+
+    table.w2 = w2;
+    for (unsigned spoil = ARRAYS; spoil <= NOTHING; spoil++) {
+        for (unsigned k = 0; k < kelly_string.torsional * (kelly_string.degree + 1u); k++) {
+            w2[k] = kelly_string.w2[k];
+        }
+        random_case(40);
+        kelly_run_begin(&table, &run, 4, 7, 1, results, &fixture.ensemble.work);
+        EQUAL(kelly_run_advance(&table, &run, 1, results, &fixture.ensemble.work, 1000), 0);
+        w2[3] += spoil == ARRAYS ? R(1.0) : R(0.0);
+        fixture.ensemble.work.tick += spoil == TICK;
+        fixture.ensemble.work.block.tick += spoil == BLOCK_TICK;
+        results[0].draw.mu *= spoil == DRAW ? R(1.25) : R(1.0);
+        run.limit += spoil == CASE ? R(0.1) : R(0.0);
+        kelly_run_finish(&table, &run, 1, results, &fixture.ensemble.work);
+        if (spoil == NOTHING) {
+            EQUAL(results[0].status, KELLY_OK);
+        } else {
+            expect_corrupt(&results[0]);
+        }
+    }
+}
+
 /* A bad neighbour in the same range changes nothing. */
 static void keeps_neighbours_apart(void)
 {
@@ -204,6 +253,8 @@ void test_ensemble(void)
     has_its_digest();
     classifies_what_it_ran();
     refuses_without_guessing();
+    begins_nothing_of_a_changed_table();
+    gives_up_what_has_changed();
     keeps_neighbours_apart();
     runs_given_draws();
     marks_lift_off();

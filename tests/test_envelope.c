@@ -63,6 +63,7 @@ static void refuses_what_is_no_number(void)
         huge *= huge;                                      /* infinite, in double as well */
     }
     CHECK(!kelly_envelope_add(&envelope, R(2e18)));
+    CHECK(!kelly_envelope_add(&envelope, R(1e14)) && !kelly_envelope_add(&envelope, R(-1e14)));
     CHECK(!kelly_envelope_add(&envelope, huge));
     CHECK(!kelly_envelope_add(&envelope, -huge));
     CHECK(!kelly_envelope_add(&envelope, huge - huge));    /* not a number */

@@ -1,5 +1,6 @@
 /* test_integrator.c - form M: it is the textbook's RK4, of fourth order, and the same however it is cut. */
 #include "../firmware/detmath.h"
+#include "../firmware/stages.h"
 #include "check.h"
 #include "fixture.h"
 
@@ -292,7 +293,42 @@ static void knows_the_insane(void)
     CHECK(kelly_block_sane(block, 0));
 }
 
-/* A block nobody was loaded into stands still. */
+/* The weight off its phase is seen at once, and still known after the next exact evaluation has put it right. */
+static void knows_a_weight_astray(void)
+{
+    kelly_block *const block = &fixture.pair[0];
+    const volatile real zero = R(0.0);
+    real swing, good;
+
+    fixture_case(&run, 4000);
+    load(block, &kelly_string);
+    swing = block->lane[0].muf_swing;
+    CHECK(!kelly_block_strays(block, 0));
+    block->lane[0].wave = swing / 2;
+    CHECK(kelly_block_strays(block, 0) && !kelly_block_sane(block, 0));
+    block->lane[0].wave = zero / zero;
+    CHECK(kelly_block_strays(block, 0));
+    kelly_block_resync(block, 0);
+    CHECK(kelly_block_sane(block, 0));
+    good = block->lane[0].dwave;
+    block->lane[0].dwave = zero / zero;
+    CHECK(!kelly_block_strays(block, 0) && !kelly_block_sane(block, 0));
+    block->lane[0].dwave = good;
+    kelly_block_advance(block, KELLY_RESYNC);
+    CHECK(kelly_block_sane(block, 0));
+    block->lane[0].wave += swing / 2;
+    kelly_block_advance(block, 1);
+    CHECK(!kelly_block_strays(block, 0) && block->strayed[0] && !kelly_block_sane(block, 0));
+    fixture_case(&run, 4000);
+    run.w0 = R(2000.0);                                    /* 2 rad a step: only its size can be judged */
+    load(block, &kelly_string);
+    swing = block->lane[0].muf_swing;
+    block->lane[0].wave = swing / 2;
+    CHECK(!kelly_block_strays(block, 0));
+    block->lane[0].wave = swing * R(1.5);
+    CHECK(kelly_block_strays(block, 0));
+}
+
 /* What is only large is not insane: at a step of 10 us the scaled states reach 1e14. */
 static void keeps_short_steps(void)
 {
@@ -306,6 +342,7 @@ static void keeps_short_steps(void)
     CHECK(kelly_block_sane(block, 0));
 }
 
+/* A block nobody was loaded into stands still. */
 static void idles_when_empty(void)
 {
     kelly_block *const block = &fixture.pair[0];
@@ -333,6 +370,7 @@ void test_integrator(void)
     watches_extremes();
     twist_gives_the_mean();
     knows_the_insane();
+    knows_a_weight_astray();
     keeps_short_steps();
     idles_when_empty();
 }

@@ -60,7 +60,7 @@ static float hint(const void *of, const float x[KELLY_PARAMETERS])
     return kelly_log32(steep(h + blur)) + 3.0f;
 }
 
-typedef enum { PLANE, FAR_OUT, CORNER, FREEZE, FLAT, REFUSE } event;
+typedef enum { PLANE, FAR_OUT, CORNER, FREEZE, FLAT, REFUSE, REFUSE_FAR } event;
 
 static float guide(event what, const kelly_rare_sample *s, float limit)
 {
@@ -75,6 +75,8 @@ static float guide(event what, const kelly_rare_sample *s, float limit)
         return 1.0f;
     case REFUSE:
         return height(s->x) > 1.9f ? KELLY_RARE_REFUSED : plane(s, limit);
+    case REFUSE_FAR:                                       /* only where the first level does not come */
+        return rare.level > 0 && height(s->x) > 2.0f ? KELLY_RARE_REFUSED : plane(s, limit);
     default:
         return plane(s, limit);
     }
@@ -151,6 +153,56 @@ static void follows_a_hint_that_helps(void)
     advised = NO_HINT;
 }
 
+/* The hint leads on where a fifth of its moves is accepted, and not where fewer are. */
+static void drops_a_hint_below_a_fifth(void)
+{
+    for (unsigned enough = 0; enough < 2; enough++) {
+        kelly_rare_level *const level = &rare.levels[1];
+
+        advised = GOOD;
+        CHECK(kelly_rare_start(&rare, normals, 5, 200, samples, keys) == 0);
+        kelly_rare_lead(&rare, hint, &advised);
+        while (kelly_rare_count(&rare) > 0 && !(rare.level == 1 && rare.quarter == 0 && rare.at == KELLY_RARE_STATES - 1)) {
+            for (uint32_t i = rare.first; i < rare.first + rare.count; i++) {
+                samples[i].guide = plane(&samples[i], 3.0f);
+            }
+            kelly_rare_accept(&rare);
+        }
+        for (uint32_t i = rare.first; i < rare.first + rare.count; i++) {
+            samples[i].guide = 0;                          /* none of these last five is accepted */
+        }
+        level->led = 1000 - (rare.at % 3 != 0 ? rare.count : 0);
+        level->led_accepted = 199 + enough;
+        kelly_rare_accept(&rare);
+        EQUAL(level->led, 1000);
+        EQUAL(rare.leads, enough);
+    }
+    advised = NO_HINT;
+}
+
+/* A move that the laws refuse leaves its sample as it was, to be run again. */
+static void runs_a_refused_move_again(void)
+{
+    static const float wide_laws[KELLY_PARAMETERS] = { 0.5f, 0.5f, 0.5f, 0.5f, 0.5f };
+    uint32_t again = 0, moves = 0;
+
+    CHECK(kelly_rare_start(&rare, wide_laws, 3, 200, samples, keys) == 0);
+    while (kelly_rare_count(&rare) > 0) {
+        for (uint32_t i = rare.first; i < rare.first + rare.count; i++) {
+            const kelly_rare_sample *const old = rare.level > 0 ? &samples[i - rare.chains] : 0;
+
+            moves += rare.level > 0;
+            if (old && samples[i].id == old->id) {
+                again++;
+                CHECK(samples[i].x[0] == old->x[0] && samples[i].x[4] == old->x[4] && samples[i].guide == old->guide);
+            }
+            samples[i].guide = plane(&samples[i], 4.0f);
+        }
+        kelly_rare_accept(&rare);
+    }
+    CHECK(again > 0 && again < moves / 4);
+}
+
 static int is_first(uint32_t i)
 {
     for (uint32_t j = 0; j < i; j++) {
@@ -159,6 +211,23 @@ static int is_first(uint32_t i)
         }
     }
     return 1;
+}
+
+/* Squared coefficient of variation of the last level's p, eq. 27 and 29 of Au and Beck: of chains `chains` apart in the samples. */
+static wide spread_of_the_last_level(void)
+{
+    const wide n = (wide)rare.n, p = (wide)rare.levels[rare.level].failed / n;
+    wide gamma = 0;
+
+    for (uint32_t lag = 1; lag < KELLY_RARE_STATES; lag++) {
+        uint32_t both = 0;
+
+        for (uint32_t i = 0; i < rare.n - lag * rare.chains; i++) {
+            both += kelly_rare_failed(&samples[i]) && kelly_rare_failed(&samples[i + lag * rare.chains]);
+        }
+        gamma += 2 * (1 - W(0.1) * (wide)lag) * ((wide)both / (n - (wide)(lag * rare.chains)) - p * p) / (p - p * p);
+    }
+    return (1 - p) / (p * n) * (1 + (gamma > 0 ? gamma : 0));
 }
 
 /* Copies share their id and everything else; the last event holds its samples. */
@@ -177,6 +246,8 @@ static void leaves_samples_of_the_event(void)
     EQUAL(failed, rare.levels[rare.level].failed);
     EQUAL(rare.realisations, 200 + 180 * rare.level);
     EQUAL(rare.distinct, distinct);
+    CLOSE(rare.levels[rare.level].variance / spread_of_the_last_level(), 1, W(1e-5));
+    CHECK(spread_of_the_last_level() > W(1.2) * (200 - (wide)failed) / (200 * (wide)failed));    /* the chains do depend */
     CHECK(distinct >= KELLY_RARE_DISTINCT && distinct < failed);
 }
 
@@ -185,6 +256,7 @@ static void is_plain_where_that_is_enough(void)
 {
     CHECK(simulate(PLANE, normals, 0.0f, 3, 200));
     CHECK(answer.plain && rare.level == 0 && rare.realisations == 200);
+    CLOSE(rare.levels[0].variance * 200 * rare.levels[0].failed / (200 - rare.levels[0].failed), 1, W(1e-6));    /* (1 - p) / (p n) */
     CLOSE(answer.probability, (wide)rare.levels[0].failed / 200, W(1e-7));
     CHECK(answer.lo == kelly_binomial_lo(rare.levels[0].failed, 200, W(0.025)));
     CHECK(answer.hi == kelly_binomial_hi(rare.levels[0].failed, 200, W(0.025)));
@@ -232,12 +304,92 @@ static void refuses_with_a_reason(void)
     CHECK(rare.levels[rare.level].refused > 0);
     expect(KELLY_RARE_FEW, PLANE, 2.6f, 3);
     CHECK(rare.distinct < KELLY_RARE_DISTINCT && rare.levels[rare.level].failed >= 20);
+    expect(KELLY_RARE_UNKNOWN, REFUSE_FAR, 4.0f, 1);
+    CHECK(rare.level > 0 && rare.levels[0].refused == 0 && rare.levels[rare.level].refused > 0);
+    kelly_rare_accept(&rare);                              /* over is over */
+    EQUAL(rare.state, KELLY_RARE_UNKNOWN);
     CHECK(kelly_rare_start(&rare, nothing, 1, 200, samples, keys) != 0);
     CHECK(kelly_rare_start(&rare, normals, 1, 160, samples, keys) != 0);
     CHECK(kelly_rare_start(&rare, normals, 1, 210, samples, keys) != 0);
+    CHECK(kelly_rare_start(&rare, normals, 1, KELLY_RARE_MAX + 40u, samples, keys) != 0);
     for (int state = 0; state < KELLY_RARE_OUTCOMES; state++) {
         CHECK(kelly_rare_reason((kelly_rare_state)state)[0] != 0);
     }
+    CHECK(kelly_rare_reason((kelly_rare_state)KELLY_RARE_OUTCOMES)[0] != 0);
+}
+
+/* With failures under 1e-9: too few to end a level there, or enough. */
+static void reports_nothing_below_its_least(void)
+{
+    expect(KELLY_RARE_TOO_RARE, PLANE, 6.3f, 1);
+    CHECK(rare.levels[rare.level].failed > 0 && rare.levels[rare.level].failed < rare.chains);
+    expect(KELLY_RARE_TOO_RARE, PLANE, 6.1f, 1);
+    CHECK(rare.levels[rare.level].failed >= rare.chains && kelly_rare_product(&rare) < KELLY_RARE_LEAST);
+}
+
+/* P = 0.81 known within a factor of ten: the interval ends at 1. */
+static void ends_its_interval_at_one(void)
+{
+    rare = (kelly_rare){ .n = 200, .level = 1, .levels = { { .inside = 180, .variance = W(0.02) }, { .inside = 180, .variance = W(0.03) } } };
+    kelly_rare_read(&rare, &answer);
+    CLOSE(answer.probability, W(0.81), W(1e-6));
+    CLOSE(answer.cov, W(0.2795085), W(1e-6));              /* 1.25 sqrt(0.05) */
+    CLOSE(answer.lo, W(0.4714750), W(1e-5));               /* P exp(-1.96 1.25 sqrt(ln 1.05)) */
+    CHECK(!answer.plain && answer.hi == 1);
+    rare.levels[1].inside = 20;
+    kelly_rare_read(&rare, &answer);
+    CLOSE(answer.hi, W(0.1546211), W(1e-5));
+}
+
+/* The first parameter is all that this hint sees: how far it lies from where a move began. */
+static float fixed_point(const void *of, const float x[KELLY_PARAMETERS])
+{
+    return x[0] == *(const float *)of ? 0.0f : -1000.0f;
+}
+
+static float first_of(const void *of, const float x[KELLY_PARAMETERS])
+{
+    (void)of;
+    return x[0];
+}
+
+/* A led move stays where no step over the hint is taken; and where it came from below the level, mostly, as that was less likely. */
+static void stays_where_it_must(void)
+{
+    const float old[KELLY_PARAMETERS] = { 0.5f };
+    float next[KELLY_PARAMETERS];
+    unsigned moved = 0;
+    kelly_rng rng;
+
+    CHECK(kelly_rare_start(&rare, normals, 1, 200, samples, keys) == 0);
+    kelly_rare_lead(&rare, fixed_point, &old[0]);
+    rare.hint_level = 0;
+    for (uint32_t j = 0; j < 50; j++) {
+        kelly_rng_key(&rng, 1, j, 0);
+        CHECK(!kelly_rare_move(&rare, &rng, 1, old, next) && next[0] == old[0]);
+    }
+    kelly_rare_lead(&rare, first_of, 0);
+    rare.hint_level = 1.0f;                                /* e^-4.5 of the weight that it has beyond 1 */
+    for (uint32_t j = 0; j < 50; j++) {
+        kelly_rng_key(&rng, 2, j, 0);
+        moved += (unsigned)kelly_rare_move(&rare, &rng, 1, old, next);
+    }
+    CHECK(moved > 0 && moved < 25);
+}
+
+/* Seeds whose guides say nothing leave the hint's level at the guide's own. */
+static void aims_without_seeds(void)
+{
+    CHECK(kelly_rare_start(&rare, normals, 1, 200, samples, keys) == 0);
+    advised = GOOD;
+    kelly_rare_lead(&rare, hint, &advised);
+    for (uint32_t i = 0; i < rare.chains; i++) {
+        samples[i].guide = i % 2 != 0 ? 0.0f : KELLY_RARE_FAILED;
+    }
+    rare.guide = 0;
+    kelly_rare_aim(&rare);
+    CLOSE((wide)rare.hint_level, W(-69.0775528), W(1e-4));     /* ln 1e-30 */
+    advised = NO_HINT;
 }
 
 /* (b_1^2 T' / c_1)^4 ss in floating point from elsewhere; above the limit it is a failure, without a result it is refused. */
@@ -261,6 +413,66 @@ static void guides_by_the_negative_damping(void)
     CHECK(kelly_rare_guide(&kelly_string, &run, &r) == KELLY_RARE_FAILED);
     r.status = KELLY_STEP;
     CHECK(kelly_rare_guide(&kelly_string, &run, &r) == KELLY_RARE_REFUSED);
+    r.status = KELLY_OK;
+    r.draw.fc = kelly_string.fc_max * R(2.0);
+    CHECK(kelly_rare_guide(&kelly_string, &run, &r) == KELLY_RARE_REFUSED);
+}
+
+/* Logarithm of R^4 (forced + swing) at the means of a case by rare.h, otherwise than rare_guide.c: H is 1 / sum of admittances in wide. */
+static wide log_guess(const kelly_case *run)
+{
+    const wide w = (wide)run->w0, q = (wide)run->a2 * w * w, up = kelly_exp(w), down = kelly_exp(-w), t = (up - down) / (up + down);
+    const wide slope = (wide)run->mu * (wide)run->fc * ((wide)run->a1 * (q - 1) / ((1 + q) * (1 + q)) - (1 - t * t));
+    const wide pull = t + (wide)run->a1 * w / (1 + q);
+    kelly_modes modes;
+    wide re = 0, im = 0, forced, swing, c1, b1, decay, x;
+
+    CHECK(kelly_modes_at(&kelly_string, run->fc, run->torsional, &modes));
+    for (unsigned i = 0; i < modes.count; i++) {
+        const wide b = (wide)modes.b[i], loss = (wide)kelly_string.alpha + (wide)kelly_string.beta * (wide)modes.w2[i];
+        const wide p = ((wide)modes.w2[i] - w * w) / w;    /* b^2 / (loss - i p), over the square of its size */
+
+        re += b * b * loss / (loss * loss + p * p);
+        im += b * b * p / (loss * loss + p * p);
+    }
+    forced = (wide)run->mu * (wide)run->f0 * pull / w *
+             textbook_sqrt((re * re + im * im) / ((1 - slope * re) * (1 - slope * re) + slope * im * slope * im));
+    c1 = (wide)kelly_string.alpha + (wide)kelly_string.beta * (wide)modes.w2[0];
+    b1 = (wide)modes.b[0];
+    x = 1 + (c1 - b1 * b1 * slope) / 2 * (wide)run->window_first * (wide)run->step_ns * W(1e-9) / 64;
+    decay = kelly_exp(-64 * kelly_log(x < W(0.95) ? W(0.95) : x > 2 ? 2 : x));
+    swing = run->rotating ? b1 * b1 * (wide)run->mu * (wide)run->fc * pull / textbook_sqrt((wide)modes.w2[0]) / w : fixture_abs((wide)modes.d[0]) * b1;
+    x = b1 * b1 * slope / c1;
+    return 4 * kelly_log(x > W(1e-6) ? x : W(1e-6)) + kelly_log(forced + decay * swing);
+}
+
+/* Negative and positive damping, short and long runs, from rest and turning; beyond the laws or the table: far below all others. */
+static void guesses_from_the_linear_string(void)
+{
+    static const real speeds[] = { R(4.0), R(10.0), R(18.0), R(0.5) };
+    float x[KELLY_PARAMETERS] = { 0 };
+    kelly_case run;
+    const kelly_rare_string string = { &kelly_string, &run };
+
+    fixture_case(&run, 100000);
+    run.mu = R(0.004);
+    for (unsigned k = 0; k < 16; k++) {
+        run.w0 = speeds[k / 4];
+        run.rotating = k & 1u;
+        run.window_first = (k & 2u) != 0 ? 2000000 : 50000;
+        CLOSE((wide)kelly_rare_guess(&string, x), log_guess(&run), W(2e-3));
+    }
+    run.cov[0] = 0.5f;
+    CHECK(kelly_rare_guess(&string, x) > -1e5f);
+    run.fc = kelly_string.fc_max / 2;
+    x[0] = 6.0f;                                           /* more weight than the table has */
+    CHECK(kelly_rare_guess(&string, x) < -1e5f);
+    x[0] = -40.0f;                                         /* no gamma variable is negative */
+    CHECK(kelly_rare_guess(&string, x) < -1e5f);
+    run.cov[1] = 0.5f;
+    x[0] = 0.0f;
+    x[1] = -40.0f;
+    CHECK(kelly_rare_guess(&string, x) == kelly_rare_guess(&string, (const float[KELLY_PARAMETERS]){ -40.0f }));
 }
 
 /* A run of given draws is the run of the seed that drew them. */
@@ -325,10 +537,17 @@ void test_rare(void)
 {
     has_the_same_bits_everywhere();
     follows_a_hint_that_helps();
+    drops_a_hint_below_a_fifth();
+    runs_a_refused_move_again();
     leaves_samples_of_the_event();
     is_plain_where_that_is_enough();
     draws_what_kelly_run_draws();
     refuses_with_a_reason();
+    reports_nothing_below_its_least();
+    ends_its_interval_at_one();
+    stays_where_it_must();
+    aims_without_seeds();
+    guesses_from_the_linear_string();
     guides_by_the_negative_damping();
     runs_given_draws();
 #if CHECK_LONG

@@ -269,6 +269,25 @@ static void refuses_bad_numerics(void)
     CHECK(kelly_case_error(&kelly_string, &kelly_string.nominal) == 0);
 }
 
+/* A draw that no law gives is out of range, whichever parameter it is. */
+static void refuses_unsound_draws(void)
+{
+    const volatile real zero = R(0.0);
+    const real bad[] = { 0, R(-1.0), zero / zero, R(1.0) / zero };
+
+    fixture_case(&run, 100);
+    for (unsigned k = 0; k < sizeof(bad) / sizeof(bad[0]); k++) {
+        for (unsigned parameter = 0; parameter < KELLY_PARAMETERS; parameter++) {
+            real *const place[KELLY_PARAMETERS] = { &draw.fc, &draw.mu, &draw.a1, &draw.a2, &draw.w0 };
+
+            kelly_draw_nominal(&run, &draw);
+            EQUAL(kelly_realise(&kelly_string, &run, &draw, &modes), KELLY_OK);
+            *place[parameter] = bad[k];
+            EQUAL(kelly_realise(&kelly_string, &run, &draw, &modes), KELLY_RANGE);
+        }
+    }
+}
+
 void test_realisation(void);
 void test_realisation(void)
 {
@@ -283,4 +302,5 @@ void test_realisation(void)
     lifts_off_below_the_amplitude();
     refuses_bad_physics();
     refuses_bad_numerics();
+    refuses_unsound_draws();
 }

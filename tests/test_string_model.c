@@ -1,4 +1,5 @@
 /* test_string_model.c - the table: refused where it does not fit, evaluated as written. */
+#include "../firmware/link/crc32c.h"
 #include "check.h"
 #include "fixture.h"
 
@@ -25,12 +26,12 @@ static void refuses_other_tables(void)
     table.torsional = 0;
     CHECK(kelly_table_error(&table) != 0 && starts_with(kelly_table_error(&table), "table carries"));
     table.torsional = KELLY_MODES_MAX + 1;
-    CHECK(kelly_table_error(&table) != 0);
+    CHECK(kelly_table_error(&table) != 0 && starts_with(kelly_table_error(&table), "table carries"));
     table = kelly_string;
     table.axial = 0;
-    CHECK(kelly_table_error(&table) != 0);
+    CHECK(kelly_table_error(&table) != 0 && starts_with(kelly_table_error(&table), "table carries"));
     table.axial = KELLY_MODES_MAX + 1;
-    CHECK(kelly_table_error(&table) != 0);
+    CHECK(kelly_table_error(&table) != 0 && starts_with(kelly_table_error(&table), "table carries"));
 }
 
 static int damaged(const kelly_table *table)
@@ -68,6 +69,115 @@ static void finds_damage(void)
     CHECK(kelly_table_error(&table) == 0);
     w2[n - 1] += 1;
     CHECK(damaged(&table));
+}
+
+/* An id without an end is read no further than it may be long. */
+static void bounds_the_id(void)
+{
+    char id[KELLY_ID_MAX + 1];
+    kelly_table table = kelly_string;
+
+    for (unsigned k = 0; k < sizeof(id); k++) {
+        id[k] = 'x';
+    }
+    table.id = id;
+    CHECK(damaged(&table));
+}
+
+static uint32_t add_bytes(uint32_t crc, uint64_t bits, unsigned count)
+{
+    for (unsigned k = 0; k < count; k++) {
+        const uint8_t byte = (uint8_t)(bits >> (8 * k));
+
+        crc = kelly_crc32c(crc, &byte, 1);
+    }
+    return crc;
+}
+
+static uint32_t add_real(uint32_t crc, real x)
+{
+    return add_bytes(crc, fixture_bits(x), sizeof(real));
+}
+
+/* By string_model.h, number by number. */
+static uint32_t head_of(const kelly_table *t)
+{
+    const kelly_case *const n = &t->nominal;
+    const uint16_t counts[] = { t->torsional, t->axial, t->degree, t->nodes };
+    const real model[] = { t->fc_min, t->fc_max, t->fc_mid, t->fc_scale, t->alpha, t->beta, t->inertia, t->impedance };
+    const real means[] = { n->fc, n->mu, n->a1, n->a2, n->w0, n->f0 }, drive[] = { n->drive.inertia, n->drive.impedance, n->drive.hz };
+    const uint32_t times[] = { n->step_ns, n->ticks, n->window_first, n->window_last };
+    const uint8_t modes[] = { n->torsional, n->axial, n->rotating };
+    uint32_t crc = 0;
+
+    for (unsigned k = 0; k < 4; k++) crc = add_bytes(crc, counts[k], 2);
+    for (unsigned k = 0; k < 8; k++) crc = add_real(crc, model[k]);
+    for (unsigned k = 0; k < 6; k++) crc = add_real(crc, means[k]);
+    for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
+        const union { float x; uint32_t bits; } u = { .x = n->cov[k] };
+
+        crc = add_bytes(crc, u.bits, 4);
+    }
+    crc = add_real(crc, n->limit);
+    for (unsigned k = 0; k < 4; k++) crc = add_bytes(crc, times[k], 4);
+    crc = kelly_crc32c(crc, modes, sizeof(modes));
+    for (unsigned k = 0; k < 3; k++) crc = add_real(crc, drive[k]);
+    for (const char *c = t->id; *c != '\0'; c++) crc = add_bytes(crc, (uint8_t)*c, 1);
+    return crc;
+}
+
+/* The highest degree is a degree, one more is none whatever its CRC says. */
+static void bounds_the_degree(void)
+{
+    kelly_table table = kelly_string;
+
+    EQUAL(kelly_string.head_crc, head_of(&kelly_string));
+    table.degree = KELLY_DEGREE_MAX;
+    table.head_crc = head_of(&table);
+    CHECK(kelly_table_head_error(&table) == 0);
+    table.degree = KELLY_DEGREE_MAX + 1;
+    table.head_crc = head_of(&table);
+    CHECK(kelly_table_head_error(&table) != 0);
+}
+
+static int shapes_say(const kelly_table *table, const kelly_shapes *shapes, const char *what)
+{
+    const char *const error = kelly_shapes_error(table, shapes);
+
+    return error != 0 && starts_with(error, what);
+}
+
+/* Shapes of two torsional modes and one axial at three nodes, by straight lines in s: 6, 12, 6, 6 and 2 numbers after the nodes. */
+static void checks_the_shapes(void)
+{
+    static const char other[] = "the mode shapes are those of another table", spoilt[] = "the mode shapes are damaged";
+    real numbers[3 + 12 + 6 + 6 + 2];
+    kelly_table table = { .id = "small-1", .torsional = 2, .axial = 1, .degree = 1, .nodes = 3 };
+    kelly_shapes shapes = { .schema = KELLY_SCHEMA, .real_bytes = sizeof(real), .id = "small-1", .x = numbers, .twist = numbers + 3,
+                            .axial = numbers + 15, .twist_gram = numbers + 21, .axial_gram = numbers + 27 };
+
+    for (unsigned k = 0; k < sizeof(numbers) / sizeof(numbers[0]); k++) {
+        numbers[k] = (real)(k + 1u) * R(0.3);
+        shapes.crc = add_real(shapes.crc, numbers[k]);
+    }
+    CHECK(kelly_shapes_error(&table, &shapes) == 0);
+    for (unsigned k = 0; k < sizeof(numbers) / sizeof(numbers[0]); k++) {
+        numbers[k] += R(1.0);
+        CHECK(shapes_say(&table, &shapes, spoilt));
+        numbers[k] = (real)(k + 1u) * R(0.3);
+    }
+    shapes.id = "small-2";
+    CHECK(shapes_say(&table, &shapes, other));
+    shapes.id = "small";
+    CHECK(shapes_say(&table, &shapes, other));
+    shapes.id = "small-10";
+    CHECK(shapes_say(&table, &shapes, other));
+    shapes.id = table.id;
+    shapes.schema++;
+    CHECK(shapes_say(&table, &shapes, other));
+    shapes.schema--;
+    shapes.real_bytes++;
+    CHECK(shapes_say(&table, &shapes, other));
 }
 
 static void evaluates_polynomials(void)
@@ -154,6 +264,9 @@ void test_string_model(void)
 {
     refuses_other_tables();
     finds_damage();
+    bounds_the_id();
+    bounds_the_degree();
+    checks_the_shapes();
     evaluates_polynomials();
     gives_the_paper_modes();
     keeps_to_its_range();
