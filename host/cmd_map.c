@@ -33,7 +33,6 @@ static const option_help map_options[] = {
     { "--seed", "S", "of the random streams (default 1)" },
     { "--first", "J", "index of the first realisation (default 0)" },
     { "--threads", "T", "threads (default: one a processor); no result depends on it" },
-    { "--twice", 0, "run every realisation twice and count it only where both agree in every bit" },
     { "--engine", "NAME", "vector unit: scalar, sse2, avx2, avx512 (default: the widest here); no result depends on it" },
     { "--twice", 0, TWICE_HELP },
     { 0 },

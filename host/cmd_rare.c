@@ -107,7 +107,6 @@ static const option_help own_options[] = {
     { "--cov", "D", "coefficients of variation 0..0.5: one for all, or fc=D,mu=D,a1=D,a2=D,rpm=D (default: the well file's)" },
     { "--seed", "S", "of the random streams (default 1)" },
     { "--threads", "T", "threads (default: one a processor); no result depends on it" },
-    { "--twice", 0, "run every realisation twice and count it only where both agree in every bit" },
     { "--engine", "NAME", "vector unit: scalar, sse2, avx2, avx512 (default: the widest here); no result depends on it" },
     { "--twice", 0, TWICE_HELP },
     { 0, 0, 0 },
