@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """No run-time error, proved: Frama-C's Eva over the kernel, the samplers, the codecs and the device program, and WP where Eva cannot see.
 
-usage: tests/check_eva.py [DRIVER...]
+usage: [EVA_JOBS=2] tests/check_eva.py [DRIVER...]
 
 Each driver of tests/eva calls public functions with inputs that stand for every value of their documented ranges. A claim is
 that nothing is open: no alarm (memory, overflow, shift, division, uninitialised value, non-finite float), no contract in doubt. Every function of the
