@@ -72,6 +72,8 @@ static void refuses_what_is_no_number(void)
     CHECK(!kelly_envelope_add(&envelope, R(0.5)));
     EQUAL(envelope.n, 16777216);
     EQUAL(envelope.used, 5);
+    kelly_envelope_clear(&envelope);
+    EQUAL(kelly_envelope_add(&envelope, R(1e14) - R(0.5)), sizeof(real) > sizeof(float));      /* in float that is 1e14 */
 }
 
 /* Random values, a third of them within 1e-3 of 0 and the rest spread as 250 u^2: a bit that sticks. Its exact quantiles
