@@ -69,7 +69,7 @@ GATES = {
     "sanitizers": ("prove", 1500, f"{PYTHON} tests/check_sanitizers.py"),
     "coverage": ("prove", 1500, f"{PYTHON} tests/check_coverage.py"),
     "board-coverage": ("prove", 600, f"{PYTHON} tests/check_board_coverage.py"),
-    "mutants": ("prove", 1500, f"nice -n 10 {PYTHON} tests/mutate.py --mutants 60"),
+    "mutants": ("prove", 1500, f"nice -n 10 {PYTHON} tests/mutate.py --mutants 60 --quick"),
     "all-mutants": ("campaign", 36000, f"nice -n 10 {PYTHON} tests/mutate.py --mutants 300"),
     "eva": ("prove", 1500, f"{PYTHON} tests/check_eva.py"),
 }

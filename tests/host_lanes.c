@@ -108,6 +108,19 @@ static void try_soft(const kelly_engine *engine)
     compare(engine, &run, 0, MOST, "long step, soft drive");
 }
 
+/* Each number of vectors in a block has a loop of its own. */
+static void try_each_number(const kelly_engine *engine)
+{
+    kelly_case run = nominal(300);
+
+    for (unsigned soft = 0; soft < 2; soft++) {
+        for (uint32_t vectors = 1; vectors <= engine->lanes / engine->width; vectors++) {
+            compare(engine, &run, 7, (vectors - 1) * engine->width + 1, soft ? "part of a block, soft drive" : "part of a block");
+        }
+        run.drive = (kelly_drive){ .inertia = R(2900.0), .impedance = R(289.0), .hz = R(0.2) };
+    }
+}
+
 int main(void)
 {
     const kelly_engine *list[4];
@@ -116,6 +129,7 @@ int main(void)
     for (unsigned e = 0; e < engines; e++) {
         try_engine(list[e]);
         try_soft(list[e]);
+        try_each_number(list[e]);
         printf("%s, %u realisations a vector, %u a block\n", list[e]->name, list[e]->width, list[e]->lanes);
     }
     printf("%u passed, %u failed\n", check_passed, check_failed);

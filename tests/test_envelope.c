@@ -72,6 +72,8 @@ static void refuses_what_is_no_number(void)
     CHECK(!kelly_envelope_add(&envelope, R(0.5)));
     EQUAL(envelope.n, 16777216);
     EQUAL(envelope.used, 5);
+    kelly_envelope_clear(&envelope);
+    EQUAL(kelly_envelope_add(&envelope, R(1e14) - R(0.5)), sizeof(real) > sizeof(float));      /* in float that is 1e14 */
 }
 
 /* 2^24 of the largest values that are taken, on both sides of 0, have a finite spread. */

@@ -81,6 +81,30 @@ static void finds_other_laws(void)
     }
 }
 
+/* Weights know no units: in 1/256 of them every number is the same. */
+static void does_not_mind_units(void)
+{
+    const wide unit = W(0.00390625);
+    const kelly_laws from = laws_of(unit, W(0.2)), to = laws_of(unit * W(1.0625), W(0.18));
+    kelly_reweighted want;
+
+    reweight(&(kelly_laws){ .mean = { 1, W(1.0625), 1, 1, 1 }, .cov = { 0, W(0.18), 0, 0, 0 } }, 8, 200, 1.1f, 9.0f);
+    want = result;
+    kelly_reweight_start(&sums, &from, &to);
+    for (uint32_t j = 0; j < 200; j++) {
+        kelly_rng rng;
+
+        kelly_rng_key(&rng, 8, j, 1);
+        const float x = kelly_gamma(&rng, 1.0f, 0.2f);
+        const wide y[KELLY_PARAMETERS] = { 1, (wide)x * unit, 1, 1, 1 };
+
+        kelly_reweight_add(&sums, y, KELLY_OK, x > 1.1f);
+    }
+    kelly_reweight_read(&sums, &result);
+    CLOSE(result.probability, want.probability, W(1e-6));
+    CLOSE(result.ess / want.ess, 1, W(1e-6));
+}
+
 /* 1000 repetitions of 800: intervals hold the true P in 95 % at least (four standard errors below it are 92.2 %). */
 static void intervals_cover(void)
 {
@@ -236,6 +260,7 @@ void test_reweight(void)
 {
     same_laws_change_nothing();
     finds_other_laws();
+    does_not_mind_units();
     intervals_cover();
     refuses_what_reaches_too_far();
     refuses_what_all_make_too_wide();
