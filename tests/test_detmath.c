@@ -222,8 +222,7 @@ static void exponentials_have_known_values(void)
     CHECK(kelly_exp(-KELLY_EXP_END - W(1.0)) == W(0.0));
     CHECK(kelly_exp(W(-3.0) * KELLY_EXP_END) == W(0.0));
     CHECK(kelly_exp(KELLY_EXP_END + W(1.0)) == kelly_exp(KELLY_EXP_END));
-    const volatile wide zero = W(0.0);
-    const wide none = kelly_exp(zero / zero);
+    const wide none = kelly_exp((wide)CHECK_NAN);
     CHECK(none != none);
 }
 

@@ -216,8 +216,7 @@ static void knows_the_insane(void)
 {
     kelly_driven *const driven = &plant->driven;
     kelly_driven_lane *const on = &driven->lane[0];
-    const volatile real zero = R(0.0), one = R(1.0);
-    const real bad[] = { zero / zero, one / zero, -one / zero, R(1e31), R(-1e31) };
+    const real bad[] = { CHECK_NAN, CHECK_INFINITY, -CHECK_INFINITY, R(1e31), R(-1e31) };
     vreal *const place[] = { &on->lowest, &on->highest, &on->speed, &on->eta, &on->phi, &driven->mode[0][0].v, &driven->mode[0][0].x,
                              &driven->mode[0][9].v, &driven->mode[0][9].x };
 

@@ -271,8 +271,7 @@ static real *state_of(kelly_block *block, unsigned i)
 static void knows_the_insane(void)
 {
     kelly_block *const block = &fixture.pair[0];
-    const volatile real zero = R(0.0), one = R(1.0);
-    const real bad[] = { zero / zero, one / zero, -one / zero, R(1e31), R(-1e31) };
+    const real bad[] = { CHECK_NAN, CHECK_INFINITY, -CHECK_INFINITY, R(1e31), R(-1e31) };
     real *const place[] = { &block->lane[0].y1, &block->lane[0].lowest, &block->lane[0].highest, state_of(block, 0),
                             state_of(block, 0) + 1, state_of(block, 9), state_of(block, 9) + 1 };
     int caught = 1;

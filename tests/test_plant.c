@@ -110,8 +110,7 @@ static void twists_by_what_the_bit_lags(real inertia)
 /* A state that is no number, or is too large for one, is not sane, wherever it is. */
 static void knows_the_insane(real inertia)
 {
-    const volatile real zero = R(0.0);
-    const real bad[] = { zero / zero, R(1e7), R(-1e7) };
+    const real bad[] = { CHECK_NAN, R(1e7), R(-1e7) };
 
     fixture_case(&run, 100);
     kelly_draw_nominal(&run, &draw);
