@@ -256,7 +256,8 @@ static void is_plain_where_that_is_enough(void)
 {
     CHECK(simulate(PLANE, normals, 0.0f, 3, 200));
     CHECK(answer.plain && rare.level == 0 && rare.realisations == 200);
-    CLOSE(rare.levels[0].variance * 200 * rare.levels[0].failed / (200 - rare.levels[0].failed), 1, W(1e-6));    /* (1 - p) / (p n) */
+    /* (1 - p) / (p n) */
+    CLOSE(rare.levels[0].variance * 200 * (wide)rare.levels[0].failed / (wide)(200 - rare.levels[0].failed), 1, W(1e-6));
     CLOSE(answer.probability, (wide)rare.levels[0].failed / 200, W(1e-7));
     CHECK(answer.lo == kelly_binomial_lo(rare.levels[0].failed, 200, W(0.025)));
     CHECK(answer.hi == kelly_binomial_hi(rare.levels[0].failed, 200, W(0.025)));
