@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """check_rare - kelly rare against plain Monte Carlo and reference probabilities from 1 to 2e-8, equal bits, refusals.
 
-usage: tests/check_rare.py [--kelly build/host/kelly] [NAME...] [--study [--seeds 20] [--from 1] [--workers 2] [--only NAME...]]
+usage: tests/check_rare.py [--kelly build/host/kelly] [NAME...] [--study [--seeds 20] [--from 1] [--step 0.002] [--workers 2] [--only NAME...]]
 
 The gate takes steps of 4 ms: 8000 realisations of the case at 210 rpm are classified as at 1 ms, one and all. --study: every case with seeds
-1 .. 20, the reference cases at 1 ms, into build/study-rare.md and .json; its claims are those on mean, spread and coverage.
+1 .. 20 at 2 ms, into build/study-rare.md and .json; its claims are those on mean, spread and coverage.
 Prints a line for each claim that fails, then `N passed, N failed`.
 """
 import argparse
@@ -184,7 +184,7 @@ def gate(names):
 
 # ---- the study
 
-HEAD = """Seeds {first} .. {last}; 100 s, window 50:100, limit 0.8, 2400 samples a level. Spread: standard deviation over mean of the estimates; cov: what a run says of
+HEAD = """Seeds {first} .. {last}; steps of {step} s, 100 s, window 50:100, limit 0.8, 2400 samples a level. Spread: standard deviation over mean of the estimates; cov: what a run says of
 itself, on average. Plain: realisations of plain Monte Carlo for the same spread; gain: over those of a run.
 
 | case | reference | mean | ratio | spread | cov | covered | levels | realisations | acceptance | refused | plain | gain |
@@ -194,7 +194,7 @@ itself, on average. Plain: realisations of plain Monte Carlo for the same spread
 
 def study_case(name, args, seeds, pool):
     flags, reference, samples = CASES.get(name) or MORE[name]
-    flags += "" if name in CASES else " --step 0.002"
+    flags += f" --step {args.step}"
     mc = plain(flags, samples, program(name)) if samples else None
     reference = reference or (mc[0] if mc else None)
     runs = Runs(name, flags, seeds, pool)
@@ -233,7 +233,7 @@ def study(args):
             rows.append(study_case(name, args, seeds, pool))
             print(as_line(rows[-1], seeds), end="", flush=True)
             with open(path + ".md", "w", encoding="utf-8") as file:
-                file.write(HEAD.format(first=seeds[0], last=seeds[-1]) + "".join(as_line(row, seeds) for row in rows))
+                file.write(HEAD.format(first=seeds[0], last=seeds[-1], step=args.step) + "".join(as_line(row, seeds) for row in rows))
             with open(path + ".json", "w", encoding="utf-8") as file:
                 json.dump(rows, file, indent=1)
 
@@ -244,6 +244,7 @@ def main():
     parser.add_argument("--study", action="store_true")
     parser.add_argument("--seeds", type=int, default=20)
     parser.add_argument("--from", dest="first", type=int, default=1)
+    parser.add_argument("--step", default="0.002", help="of the study [s]")
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--only", nargs="*")
     parser.add_argument("names", nargs="*")
