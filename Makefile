@@ -301,7 +301,7 @@ bench:                                        ## time against the peers in one r
 	@sh tests/bench/run
 
 ifeq ($(filter-out host,$(TARGET)),)
-study: all unit                               ## small probabilities, sensitivity, what-ifs, stopping, more than one machine: build/study.md; twelve minutes
+study: all unit                               ## small probabilities, sensitivity, what-ifs, stopping, more than one machine: build/study.md; ten minutes
 	@sh tests/install $$(sed -n 's/^test: //p' tests/packages.txt)
 	@$(MAKE) -s all unit REAL=double
 	@$(MAKE) -s mpi

@@ -4,7 +4,7 @@
 usage: tests/study.py REPORT.md [SECTION...]
 
 Every section of the report is a sentence, the commands that ran, and what they printed, nothing else. The checks that a command
-makes on the way count: where one fails the report is still written, and this ends with 1. Some twelve minutes on two cores.
+makes on the way count: where one fails the report is still written, and this ends with 1. Some ten minutes on two cores.
 """
 import functools
 import os
