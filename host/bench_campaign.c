@@ -3,6 +3,8 @@
  * A range is at most what a board keeps of its last results: what was lost on the line is asked for at the end of the range and comes
  * from memory, and no work is interrupted for it. When all indices are out, an idle board takes over what another one has not delivered,
  * the last first: a slow or dead board holds up nothing. The first result of an index counts; a second one must have the same bits.
+ *
+ * The journal takes results as they come, in any order: a campaign that goes on asks the boards for what it does not hold.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -17,7 +19,7 @@
 #define RUN_TIME 0.3             /* [s] after which a run that a sign of life knows nothing of is sent again */
 #define SAME_TIME 0.03           /* and one that was done with something missing */
 #define SILENCE 5.0              /* [s]: longer than the stalls of a line */
-#define NOBODY 255
+#define NO_BOARD 255             /* in place of one: the journal */
 
 typedef struct {
     kelly_result result;
@@ -48,6 +50,7 @@ typedef struct {
     uint32_t low;                /* all below are done */
     uint32_t fresh;              /* none from here on has been handed out */
     uint32_t delivered;
+    uint32_t recalled;           /* of them, from the journal */
     outcome out;
 } campaign;
 
@@ -196,6 +199,24 @@ static void check_board(const campaign *c, const board *b, uint32_t index, const
     }
 }
 
+/* The first result of an index. */
+static void take_first(campaign *c, uint32_t at, const kelly_result *r, uint8_t by)
+{
+    c->cells[at].result = *r;
+    c->cells[at].done = 1;
+    c->cells[at].by = by;
+    c->delivered++;
+}
+
+/* What is done without a gap is counted and written. */
+static void pass_on(campaign *c)
+{
+    while (c->low < c->opts->samples && c->cells[c->low].done) {
+        outcome_take(&c->out, c->opts->first + c->low, 1, &c->cells[c->low].result);
+        c->low++;
+    }
+}
+
 /* A result into its cell; dies where two boards, or a board and this program, do not agree. */
 static void store(campaign *c, const board *b, uint32_t at, const kelly_msg_result *m)
 {
@@ -213,16 +234,16 @@ static void store(campaign *c, const board *b, uint32_t at, const kelly_msg_resu
         check_board(c, b, m->index, &r);
     }
     if (!to->done) {
-        to->result = r;
-        to->done = 1;
-        to->by = (uint8_t)number_of(c, b);
-        c->delivered++;
+        take_first(c, at, &r, (uint8_t)number_of(c, b));
+        if (c->out.log.path) {
+            journal_append(&c->out.log, at, 1, &r);
+        }
         w->results++;
     } else if (same_result(&to->result, &r)) {
         w->doubles++;
     } else {
-        die(EXIT_FAILED, "%s: realisation %u: other bits than from %s; one of the two boards is wrong", b->port.text, m->index,
-            c->set.boards[to->by].port.text);
+        die(EXIT_FAILED, "%s: realisation %u: other bits than %s%s; one of the two is wrong", b->port.text, m->index,
+            to->by == NO_BOARD ? "the journal holds" : "from ", to->by == NO_BOARD ? "" : c->set.boards[to->by].port.text);
     }
 }
 
@@ -250,10 +271,7 @@ static void take_result(campaign *c, board *b, const kelly_msg_result *m)
         return;
     }
     store(c, b, at, m);
-    while (c->low < c->opts->samples && c->cells[c->low].done) {
-        outcome_take(&c->out, c->opts->first + c->low, 1, &c->cells[c->low].result);
-        c->low++;
-    }
+    pass_on(c);
     if (at >= w->first && at < w->end) {
         w->pace = w->pace > 0 ? 0.7 * w->pace + 0.3 * (now - w->mark) : now - w->mark;
         w->mark = now;
@@ -306,7 +324,7 @@ static void write_bench(FILE *to, const void *of)
 {
     const campaign *const c = of;
 
-    fputs("  \"bench\": {\"boards\": [", to);
+    fprintf(to, "  \"bench\": {\"resumed\": %u, \"boards\": [", c->recalled);
     for (unsigned i = 0; i < c->set.count; i++) {
         const worker *const w = &c->work[i];
 
@@ -327,6 +345,21 @@ static void print_bench(const campaign *c)
                b->ups ? b->is.board : "never answered", b->is.image_crc, w->results, w->doubles, w->repeats + b->retries,
                b->bad + b->receiver.bad, b->bad_there, b->ups);
     }
+}
+
+static void recall(campaign *c)
+{
+    kelly_result r;
+    uint32_t at;
+
+    job_log(&c->out.log, c->opts, outcome_beside(c->opts), &(journal_run){ .kind = "bench", .records = c->opts->samples, .payload = sizeof(r) });
+    while (journal_next(&c->out.log, &at, &r)) {
+        if (!c->cells[at].done) {
+            take_first(c, at, &r, NO_BOARD);
+        }
+    }
+    c->recalled = c->delivered;
+    pass_on(c);
 }
 
 /* Until the last index is there; what a board sends after that does not matter. */
@@ -376,7 +409,10 @@ int bench_campaign(const bench_request *ask, board *boards)
     c.out.more = write_bench;
     c.out.more_of = &c;
     outcome_open(&c.out, &ask->opts, engine);
-    collect(&c);
+    recall(&c);
+    if (c.low < ask->opts.samples) {
+        collect(&c);
+    }
     outcome_close(&c.out);
     if (outcome_speaks(&ask->opts)) {
         print_bench(&c);

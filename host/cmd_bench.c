@@ -39,11 +39,12 @@ static const option_help mode_options[] = {
 const command_help bench_help = {
     .brief = "boards on a serial line, real or emulated: campaigns, lockstep, real time",
     .synopsis = "--port P [--port P ...] [--mode campaign|lockstep|realtime|wits] [case] ...",
-    .takes = TAKES_CASE | TAKES_JSON | TAKES_BENCH,
+    .takes = TAKES_CASE | TAKES_JSON | TAKES_BENCH | TAKES_RESUME,
     .own = bench_options,
     .also = mode_options,
     .notes = "Campaign: CSV, JSON, summary and digest of montecarlo, whichever board computed what; a board that goes away is waited for, its\n"
-             "range goes to others. The JSON names the boards, the CRC of the image in each one's flash, and the emulators' command lines.\n"
+             "range goes to others. OUTPUT.journal beside the CSV or the JSON holds what was delivered; --resume asks the boards only for the rest.\n"
+             "The JSON names the boards, the CRC of the image in each one's flash, and the emulators' command lines.\n"
              "Lockstep: this program steps its own plant beside the board; a bit that differs ends it with exit 1. --drive soft there is a\n"
              "controller in this program, fed with the surface torque of the board.\n"
              "Real time: prints late steps, the worst lateness and the load. The page firmware/link/PROTOCOL.md describes the line.",
@@ -152,7 +153,7 @@ static void check_mode(int mode, int argc, char **argv)
         const char *name;
         unsigned modes;          /* 1 << mode, or'ed */
     } only[] = {
-        { "--samples", 1 }, { "--first", 1 }, { "--csv", 1 }, { "--json", 7 }, { "--sample", 6 }, { "--out", 6 }, { "--profile", 6 },
+        { "--samples", 1 }, { "--first", 1 }, { "--csv", 1 }, { "--resume", 1 }, { "--json", 7 }, { "--sample", 6 }, { "--out", 6 }, { "--profile", 6 },
         { "--frame-ticks", 2 }, { "--stream-hz", 4 }, { "--command-timeout", 4 }, { "--policy", 4 }, { "--ramp", 4 }, { "--overload", 4 },
         { "--wits", 4 },
     };
@@ -216,7 +217,7 @@ int command_bench(int argc, char **argv)
     static bench_request ask = { .give_up = 60, .frame_ticks = 10, .stream_hz = 10, .command_timeout = -1, .policy = KELLY_POLICY_RAMP, .ramp = 5 };
     board *boards;
 
-    options_parse(&ask.opts, argc, argv, TAKES_CASE | TAKES_JSON | TAKES_BENCH, "bench", own_option, &ask);
+    options_parse(&ask.opts, argc, argv, bench_help.takes, "bench", own_option, &ask);
     check_mode(ask.mode, argc, argv);
     ask.duration_given = has_option(argc, argv, "--duration");
     if (ask.ports == 0) {

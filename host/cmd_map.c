@@ -6,6 +6,7 @@
 
 #include "../firmware/link/crc32c.h"
 #include "map.h"
+#include "outcome.h"
 #include "team.h"
 
 #define WIDTH_MIN 0.002          /* of --adaptive: a million realisations in the worst cell */
@@ -132,21 +133,18 @@ static uint32_t parameters(const map_run *m)
 static void open_journal(map_run *m)
 {
     const char *const outputs[3] = { m->opts.csv, m->opts.json, m->npy };
-    const char *beside = 0;
+    const char *const beside = first_output(&m->opts, outputs, 3, "--csv, --json or --npy");
 
     for (unsigned i = 0; i < 3; i++) {
         if (outputs[i]) {
             check_output(outputs[i]);
         }
-        beside = beside ? beside : is_plain_file(outputs[i]) ? outputs[i] : 0;
     }
     if (beside) {
         journal_open(&m->log, beside, &(journal_run){ .kind = "map", .model = kelly_string.id, .seed = m->opts.seed, .parameters = parameters(m),
                      .records = m->map.records, .payload = CELL_PAYLOAD }, m->opts.resume);
         cells_recall(&m->log, m->map.cells);
         m->how.log = &m->log;
-    } else if (m->opts.resume) {
-        die(EXIT_USAGE, "--resume: there is no journal without an output file; give --csv, --json or --npy");
     }
 }
 

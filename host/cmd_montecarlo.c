@@ -20,9 +20,9 @@ const command_help montecarlo_help = {
              "ss = (max - min)/(max + min) of the bit speed over the window decides (10 where max + min <= 0);\n"
              "SSI = (max - min)/(2 mean), the index of rig displays, is reported beside it (JSON: ssi).\n"
              "A realisation that cannot be trusted has a status (step, range, nonfinite, corrupt) and is never counted.\n"
-             "OUTPUT.journal beside the first output, CSV or JSON, holds what is done, 48 bytes a realisation (88 in double), and goes when all\n"
-             "is written; OUTPUT.convergence.journal is that of --convergence. --resume runs only what is missing in them; --envelope and\n"
-             "--traces, which hold all in memory, run again.",
+             "OUTPUT.journal beside the first output that is a file holds what is done, 48 bytes a realisation (88 in double), and goes when all\n"
+             "is written; OUTPUT.convergence.journal and OUTPUT.envelope.journal are those of --convergence and of --envelope and --traces (as\n"
+             "long as all traces). --resume runs only what is missing in them.",
     .example = "kelly montecarlo --mu 0.004 --samples 4000 --json run.json --csv runs.csv",
 };
 
@@ -43,13 +43,14 @@ int command_montecarlo(int argc, char **argv)
     if (out.until.rule.alpha > 0 && !has_option(argc, argv, "--samples")) {
         opts.samples = UNTIL_MOST < UINT32_MAX - opts.first ? UNTIL_MOST : UINT32_MAX - opts.first;
     }
-    beside = outcome_beside(&opts);
+    beside = first_output(&opts, (const char *const[]){ opts.csv, opts.json, out.envelope.envelope, out.envelope.traces }, 4,
+                          "--csv, --json, --envelope or --traces");
     engine = engine_choose(opts.engine);
     if (team_rank() == 0) {
         envelope_reserve(&out.envelope, &opts);
         outcome_open(&out, &opts, engine->name);
     }
-    job_log(&out.log, &opts, beside, "montecarlo", sizeof(kelly_result), opts.samples, 0);
+    job_log(&out.log, &opts, beside, &(journal_run){ .kind = "montecarlo", .records = opts.samples, .payload = sizeof(kelly_result), .in_order = 1 });
     run_job(&opts, &(job){ .work = work_piece, .work_size = engine->work_size, .result_size = sizeof(kelly_result),
                            .width = engine->width, .lanes = engine_lanes(engine, &opts.run), .log = &out.log,
                            .enough = out.until.rule.alpha > 0 ? &out.until.enough : 0 }, outcome_take, &out);
@@ -60,7 +61,7 @@ int command_montecarlo(int argc, char **argv)
         convergence_run(&opts, beside, &out.convergence_log, &out.convergence);
     }
     if (team_rank() == 0) {
-        envelope_run(&out.envelope, &opts);
+        envelope_run(&out.envelope, &opts, beside, &out.envelope_log);
         outcome_close(&out);
     }
     return EXIT_DONE;

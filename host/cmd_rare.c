@@ -171,7 +171,8 @@ int command_rare(int argc, char **argv)
     if (opts.json && team_rank() == 0) {
         outfile_open(&json, opts.json);
     }
-    job_log(&s->log, &opts, beside, "rare", sizeof(kelly_result), s->samples * (KELLY_RARE_LEVELS + 1), s->samples);
+    job_log(&s->log, &opts, beside, &(journal_run){ .kind = "rare", .parameters = s->samples, .records = s->samples * (KELLY_RARE_LEVELS + 1),
+            .payload = sizeof(kelly_result), .in_order = 1 });
     run_search(s);
     if (team_rank() > 0) {
         return EXIT_DONE;

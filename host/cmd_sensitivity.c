@@ -256,7 +256,8 @@ int command_sensitivity(int argc, char **argv)
     if (opts.json && team_rank() == 0) {
         outfile_open(&json, opts.json);
     }
-    job_log(&log, &opts, beside, "sensitivity", (2 + out.random) * sizeof(kelly_result), opts.samples, 0);
+    job_log(&log, &opts, beside, &(journal_run){ .kind = "sensitivity", .records = opts.samples,
+            .payload = (uint32_t)((2 + out.random) * sizeof(kelly_result)), .in_order = 1 });
     run_job(&opts, &(job){ .work = work_rows, .work_size = draws_at() + (size_t)engine->width * KELLY_SOBOL_ROW * sizeof(kelly_draw),
                            .result_size = (2 + out.random) * sizeof(kelly_result), .width = engine->width, .lanes = engine->width,
                            .log = &log }, take_batch, &out);

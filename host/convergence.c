@@ -135,7 +135,8 @@ void convergence_run(const options *opts, const char *beside, journal *log, conv
 
     snprintf(path, sizeof(path), "%s.convergence", beside ? beside : "");
     *table = (convergence_table){ 0 };
-    job_log(log, opts, beside ? path : 0, "convergence", sizeof(double), opts->samples, opts->out_ticks ^ (uint32_t)opts->run.axial << 24);
+    job_log(log, opts, beside ? path : 0, &(journal_run){ .kind = "convergence", .parameters = opts->out_ticks ^ (uint32_t)opts->run.axial << 24,
+            .records = opts->samples, .payload = sizeof(double), .in_order = 1 });
     run_job(opts, &(job){ .work = work_piece, .work_size = sizeof(scratch), .result_size = sizeof(double), .width = 1, .lanes = 4,
                         .log = log }, take_batch, &f);
     report(&f);

@@ -1,7 +1,7 @@
 /* envelope.c - what an ensemble does in time: mean, standard deviation and quantiles at every output time, and the traces.
  *
  * The whole ensemble is stored: 3 quantities x output times x realisations, sizeof(real) each, besides a column of a few
- * times for each thread. Memory is asked for before anything runs. Quantiles are pointwise: at each output time those of
+ * times for each thread and a batch of run_job. Memory is asked for before anything runs; the journal takes as much of the disk. Quantiles are pointwise: at each output time those of
  * the realisations at that time, numpy's "linear": with x sorted and k = (n - 1) p, between x[floor k] and the next.
  * sd has the divisor n. Refused realisations have no trace: they are left out of every statistic, and are rows of NaN in
  * the traces. Every sum is taken in the order of the indices, in double: no thread count can show.
@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "host.h"
+#include "journal.h"
 
 #define QUANTITIES 3u
 #define STATISTICS 5u
@@ -32,11 +33,11 @@ const option_help envelope_options[] = {
     { 0 },
 };
 
-/* The ensemble in memory; one run, so one store. */
+/* The ensemble in memory; one run, so one store. What one realisation leaves, here and in the journal, is 1 where it counts and 0 where
+ * it was refused, then [quantity][time]. */
 static struct {
-    real *value;                 /* [realisation][quantity][time] */
-    uint8_t *counted;            /* [realisation] */
-    uint32_t first, samples, times, used;
+    real *left;                  /* [realisation][1 + QUANTITIES * times] */
+    uint32_t samples, times, used;
     int streaming;
 } store;
 
@@ -100,12 +101,17 @@ static double memory_free(void)
     return kilobytes < 0 ? HUGE_VAL : 1024.0 * kilobytes;
 }
 
+static size_t left_by_one(void)
+{
+    return 1 + (size_t)QUANTITIES * store.times;
+}
+
 static double memory_needed(const options *opts)
 {
     const uint32_t points = opts->run.ticks / opts->out_ticks + 1;
     const double times = points, threads = threads_of(opts);
 
-    return (double)opts->samples * (QUANTITIES * times * sizeof(real) + threads * COLUMN * sizeof(real) + 1) + times * sizeof(row);
+    return (double)opts->samples * (QUANTITIES * times + threads * COLUMN + 1) * sizeof(real) + times * sizeof(row);
 }
 
 void envelope_reserve(envelope_request *ask, const options *opts)
@@ -116,66 +122,70 @@ void envelope_reserve(envelope_request *ask, const options *opts)
         return;
     }
     store.samples = opts->samples;
-    store.first = opts->first;
     store.times = opts->run.ticks / opts->out_ticks + 1;
     store.streaming = ask->streaming;
     ask->bytes = need;
     if (need < have && need < (double)(SIZE_MAX / 2)) {
-        store.value = malloc((size_t)store.samples * QUANTITIES * store.times * sizeof(real));
-        store.counted = calloc(store.samples, 1);
+        store.left = malloc(store.samples * left_by_one() * sizeof(real));
     }
-    if (!store.value || !store.counted) {
+    if (!store.left) {
         die(EXIT_USAGE, "%s: %u realisations at %u times need %.4g GB of memory, and %.4g GB are free; give fewer --samples, a longer --out-step "
             "or a shorter --duration", ask->envelope ? "--envelope" : "--traces", store.samples, store.times, need / 1e9, have / 1e9);
     }
 }
 
-static real *trace(uint32_t j, unsigned quantity)
+static int counted(uint32_t j)
 {
-    return store.value + ((size_t)j * QUANTITIES + quantity) * store.times;
+    return store.left[j * left_by_one()] > 0;
 }
 
-static void look(const kelly_plant *plant, uint32_t j, uint32_t t)
+static real *trace(real *left, unsigned quantity)
+{
+    return left + 1 + (size_t)quantity * store.times;
+}
+
+static void look(const kelly_plant *plant, real *left, uint32_t t)
 {
     kelly_sight sight;
 
     kelly_plant_look(plant, &sight);
-    trace(j, 0)[t] = sight.bit_speed;
-    trace(j, 1)[t] = sight.axial_speed;
-    trace(j, 2)[t] = sight.surface_torque;
+    trace(left, 0)[t] = sight.bit_speed;
+    trace(left, 1)[t] = sight.axial_speed;
+    trace(left, 2)[t] = sight.surface_torque;
 }
 
-static void run_one(const options *opts, uint32_t index, kelly_plant *plant)
+static void run_one(const options *opts, uint32_t index, real *left, kelly_plant *plant)
 {
-    const uint32_t j = index - store.first;
     kelly_draw draw;
 
+    memset(left, 0, left_by_one() * sizeof(real));
     kelly_draw_sample(&opts->run, opts->seed, index, &draw);
     if (kelly_plant_start(plant, &kelly_string, &opts->run, &draw) != KELLY_OK) {
         return;
     }
-    look(plant, j, 0);
+    look(plant, left, 0);
     for (uint32_t t = 1; t < store.times; t++) {
         kelly_plant_advance(plant, opts->out_ticks);
-        look(plant, j, t);
+        look(plant, left, t);
     }
     kelly_plant_advance(plant, opts->run.ticks % opts->out_ticks);   /* whether it is sane is asked at the end, as in every run */
-    store.counted[j] = (uint8_t)kelly_plant_sane(plant);
+    left[0] = kelly_plant_sane(plant) ? R(1.0) : R(0.0);
 }
 
 static void run_piece(const options *opts, uint32_t first, uint32_t count, void *results, void *work)
 {
-    (void)results;
     for (uint32_t i = 0; i < count; i++) {
-        run_one(opts, first + i, work);
+        run_one(opts, first + i, (real *)results + i * left_by_one(), work);
     }
 }
 
-static void count_used(void *context, uint32_t first, uint32_t count, const void *results)
+static void keep(void *context, uint32_t first, uint32_t count, const void *results)
 {
-    (void)context, (void)results;
+    const uint32_t j = first - ((const options *)context)->first;
+
+    memcpy(store.left + j * left_by_one(), results, count * left_by_one() * sizeof(real));
     for (uint32_t i = 0; i < count; i++) {
-        store.used += store.counted[first - store.first + i];
+        store.used += (uint32_t)counted(j + i);
     }
 }
 
@@ -238,9 +248,11 @@ static void gather(real *columns, unsigned quantity, uint32_t time, uint32_t cou
     uint32_t used = 0;
 
     for (uint32_t j = 0; j < store.samples; j++) {
-        if (store.counted[j]) {
+        if (counted(j)) {
+            const real *const x = trace(store.left + j * left_by_one(), quantity);
+
             for (uint32_t i = 0; i < count; i++) {
-                columns[(size_t)i * store.used + used] = trace(j, quantity)[time + i];
+                columns[(size_t)i * store.used + used] = x[time + i];
             }
             used++;
         }
@@ -343,24 +355,30 @@ static void write_traces(FILE *to, unsigned quantity)
 
     npy_header(to, sizeof(real) > sizeof(float) ? "<f8" : "<f4", 2, shape);
     for (uint32_t j = 0; j < store.samples; j++) {
-        real *const x = trace(j, quantity);
+        real *const x = trace(store.left + j * left_by_one(), quantity);
 
         for (uint32_t t = 0; t < store.times; t++) {
-            x[t] = store.counted[j] ? (real)((double)x[t] / quantities[quantity].unit) : (real)NAN;
+            x[t] = counted(j) ? (real)((double)x[t] / quantities[quantity].unit) : (real)NAN;
         }
         fwrite(x, sizeof(real), store.times, to);
     }
 }
 
-void envelope_run(envelope_request *ask, const options *opts)
+void envelope_run(envelope_request *ask, const options *opts, const char *beside, journal *log)
 {
+    options all = *opts;         /* the context of a sink is not const */
+    char path[4096];
     outfile file;
 
     if (!ask->envelope && !ask->traces) {
         return;
     }
-    run_job(opts, &(job){ .work = run_piece, .work_size = sizeof(kelly_plant), .result_size = 1, .width = 1, .lanes = 4,
-                          .lead_alone = 1 }, count_used, 0);
+    snprintf(path, sizeof(path), "%s.envelope", beside ? beside : "");
+    job_log(log, opts, beside ? path : 0, &(journal_run){ .kind = "envelope", .parameters = opts->out_ticks ^ (uint32_t)opts->run.axial << 24,
+            .records = opts->samples, .payload = (uint32_t)(left_by_one() * sizeof(real)), .in_order = 1 });
+    store.samples = opts->samples;   /* of a run that stopped itself fewer than were asked for */
+    run_job(opts, &(job){ .work = run_piece, .work_size = sizeof(kelly_plant), .result_size = left_by_one() * sizeof(real), .width = 1,
+                          .lanes = 4, .log = log, .lead_alone = 1 }, keep, &all);
     if (ask->envelope && store.used == 0) {
         die(EXIT_FAILED, "--envelope %s: every realisation was refused, so there is nothing to take quantiles of", ask->envelope);
     }
@@ -376,6 +394,5 @@ void envelope_run(envelope_request *ask, const options *opts)
     }
     ask->used = store.used;
     ask->times = store.times;
-    free(store.value);
-    free(store.counted);
+    free(store.left);
 }

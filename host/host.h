@@ -219,10 +219,11 @@ void run_job(const options *opts, const job *what, batch_sink sink, void *contex
 /* Realisations whose results are in memory at once, for so many threads and processes. */
 uint64_t job_batch(unsigned workers);
 
-/* A journal for the results of one or more jobs of opts, `size` bytes each, at most `records` of them in all, beside an output; where `beside`
- * is 0, or another process leads, it stays closed. `also`: what results depend on besides string, precision, case, seed and index.
- * Dies as journal_open does. The caller removes it once its files are in their places. */
-void job_log(struct journal *log, const options *opts, const char *beside, const char *kind, size_t size, uint32_t records, uint32_t also);
+/* A journal for the results of realisations of opts beside an output; where `beside` is 0, or another process leads, it stays closed.
+ * `what` says kind, records and payload, whether they come in order, and in `parameters` what results depend on besides string, precision,
+ * case, seed and index. Dies as journal_open does. The caller removes it once its files are in their places. */
+struct journal_run;
+void job_log(struct journal *log, const options *opts, const char *beside, const struct journal_run *what);
 
 /* --until-width and --until-decided: where to stop before all samples are run; see until.c. Start from zeros. */
 typedef struct {
@@ -286,8 +287,9 @@ typedef struct {
 extern const option_help envelope_options[];
 int envelope_option(void *request, const char *name, const char *value);           /* a more_options */
 
-/* Take the memory, or die with exit 2 where it does not fit; then run and write. Nothing where nothing was asked for. */
+/* Take the memory, or die with exit 2 where it does not fit; then run and write. Nothing where nothing was asked for. The journal is that of
+ * convergence_run, OUTPUT.envelope.journal. */
 void envelope_reserve(envelope_request *ask, const options *opts);
-void envelope_run(envelope_request *ask, const options *opts);
+void envelope_run(envelope_request *ask, const options *opts, const char *beside, struct journal *log);
 
 #endif

@@ -13,8 +13,7 @@
 #define MAGIC "KELLYJNL"
 #define VERSION 1u
 #define SYNC_EVERY 5.0           /* [s] */
-#define RECORD_MAX (JOURNAL_PAYLOAD_MAX + 8)
-#define TOGETHER 8u              /* records of the greatest size in one write */
+#define TOGETHER 4096u           /* bytes in one write */
 
 /* The header: where each field lies. Names are cut to their length; the CRC of the whole model id is in `parameters`. */
 enum { AT_VERSION = 8, AT_REAL = 12, AT_PAYLOAD = 16, AT_RECORDS = 20, AT_PARAMETERS = 24, AT_SEED = 28, AT_KIND = 36, AT_MODEL = 52,
@@ -219,6 +218,11 @@ void journal_open(journal *j, const char *output, const journal_run *run, int re
     sync_now(j);
 }
 
+static uint32_t record_crc(const uint8_t number[4], const uint8_t *payload, size_t size)
+{
+    return kelly_crc32c(kelly_crc32c(0, number, 4), payload, size);
+}
+
 /* Nothing sound is left: cut off what is there. A read error is no torn tail. */
 static void end_of_earlier(journal *j)
 {
@@ -237,41 +241,65 @@ static void end_of_earlier(journal *j)
 
 int journal_next(journal *j, uint32_t *index, void *payload)
 {
-    const size_t size = j->payload + 8u;
-    uint8_t record[RECORD_MAX];
+    uint8_t number[4], crc[4];
 
     if (!j->earlier) {
         return 0;
     }
-    if (fread(record, 1, size, j->earlier) != size || get_u32(record + size - 4) != kelly_crc32c(0, record, size - 4) ||
-        get_u32(record) >= j->records || (j->in_order && get_u32(record) != j->next)) {
+    if (fread(number, 4, 1, j->earlier) != 1 || fread(payload, j->payload, 1, j->earlier) != 1 || fread(crc, 4, 1, j->earlier) != 1 ||
+        get_u32(crc) != record_crc(number, payload, j->payload) || get_u32(number) >= j->records ||
+        (j->in_order && get_u32(number) != j->next)) {
         end_of_earlier(j);
         return 0;
     }
-    *index = get_u32(record);
-    memcpy(payload, record + 4, j->payload);
+    *index = get_u32(number);
     j->next++;
     return 1;
 }
 
+/* Bytes on their way to the file. */
+typedef struct {
+    uint8_t bytes[TOGETHER];
+    size_t used;
+} chunk;
+
+static void flush(const journal *j, chunk *c)
+{
+    write_all(j, c->bytes, c->used);
+    c->used = 0;
+}
+
+static void add(const journal *j, chunk *c, const uint8_t *bytes, size_t count)
+{
+    while (count > 0) {
+        const size_t room = TOGETHER - c->used, part = count < room ? count : room;
+
+        memcpy(c->bytes + c->used, bytes, part);
+        c->used += part;
+        bytes += part;
+        count -= part;
+        if (c->used == TOGETHER) {
+            flush(j, c);
+        }
+    }
+}
+
 void journal_append(journal *j, uint32_t first, uint32_t count, const void *payloads)
 {
-    const size_t size = j->payload + 8u;
     const uint8_t *payload = payloads;
-    uint8_t records[TOGETHER * RECORD_MAX];
+    chunk c;
 
-    for (uint32_t done = 0; done < count;) {
-        size_t used = 0;
+    c.used = 0;
+    for (uint32_t i = 0; i < count; i++, payload += j->payload) {
+        uint8_t number[4], crc[4];
 
-        for (; done < count && used + size <= sizeof(records); done++, used += size, payload += j->payload) {
-            uint8_t *const record = records + used;
-
-            put_u32(record, first + done);
-            memcpy(record + 4, payload, j->payload);
-            put_u32(record + 4 + j->payload, kelly_crc32c(0, record, 4 + j->payload));
-        }
-        write_all(j, records, used);
+        put_u32(number, first + i);
+        put_u32(crc, record_crc(number, payload, j->payload));
+        add(j, &c, number, sizeof(number));
+        add(j, &c, payload, j->payload);
+        add(j, &c, crc, sizeof(crc));
     }
+    flush(j, &c);
     j->next += count;
     if (now() - j->synced > SYNC_EVERY) {
         sync_now(j);

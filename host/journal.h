@@ -16,16 +16,14 @@
 
 #include "../firmware/kelly.h"
 
-#define JOURNAL_PAYLOAD_MAX 640  /* bytes */
-
 /* Whose records they are. Two runs whose records may stand for one another agree in all of it. */
-typedef struct {
+typedef struct journal_run {
     const char *kind;            /* the command, at most 15 characters */
     const char *model;           /* id of the table */
     uint64_t seed;
     uint32_t parameters;         /* CRC-32C of everything else that the records depend on */
     uint32_t records;            /* indices are 0 .. records - 1 */
-    uint32_t payload;            /* bytes of one record's payload, 1..JOURNAL_PAYLOAD_MAX */
+    uint32_t payload;            /* bytes of one record's payload, at least 1 */
     int in_order;                /* indices come as 0, 1, 2, ...: another one is unsound */
 } journal_run;
 
@@ -49,7 +47,7 @@ uint32_t case_identity(const kelly_case *run);
 void journal_open(journal *j, const char *output, const journal_run *run, int resume);
 
 /* The next sound record of an earlier run, in the order in which they were written; 0: there is none any more, what was behind is cut
- * off, and records may be appended. */
+ * off, and records may be appended; `index` and `payload` then hold nothing of use. */
 int journal_next(journal *j, uint32_t *index, void *payload);
 
 /* Append the records of indices first .. first + count - 1, payloads one behind the other, in few writes. Dies with exit 1 if that

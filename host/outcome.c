@@ -267,14 +267,22 @@ void outcome_open(outcome *out, const options *opts, const char *engine)
     }
 }
 
-const char *outcome_beside(const options *opts)
+const char *first_output(const options *opts, const char *const outputs[], unsigned count, const char *give)
 {
-    const char *const beside = is_plain_file(opts->csv) ? opts->csv : is_plain_file(opts->json) ? opts->json : 0;
+    const char *beside = 0;
 
+    for (unsigned i = 0; i < count; i++) {
+        beside = beside ? beside : is_plain_file(outputs[i]) ? outputs[i] : 0;
+    }
     if (opts->resume && !beside) {
-        die(EXIT_USAGE, "--resume: there is no journal without an output file; give --csv or --json");
+        die(EXIT_USAGE, "--resume: there is no journal without an output file; give %s", give);
     }
     return beside;
+}
+
+const char *outcome_beside(const options *opts)
+{
+    return first_output(opts, (const char *const[]){ opts->csv, opts->json }, 2, "--csv or --json");
 }
 
 int outcome_speaks(const options *opts)
@@ -297,6 +305,7 @@ void outcome_close(outcome *out)
         outfile_close(&out->csv);
     }
     journal_remove(&out->convergence_log);
+    journal_remove(&out->envelope_log);
     journal_remove(&out->log);
     if (outcome_speaks(opts)) {
         print_outcome(out, lo, hi);

@@ -21,7 +21,7 @@ typedef struct {
     uint32_t refused[LISTED];
     uint8_t why[LISTED];
     double start, seconds;
-    journal log, convergence_log;   /* open where the run keeps them; removed when the files are in their places */
+    journal log, convergence_log, envelope_log;   /* open where the run keeps them; removed when the files are in their places */
     convergence_table convergence;
     envelope_request envelope;
     until_request until;
@@ -32,7 +32,9 @@ typedef struct {
 /* Open the files that opts ask for; dies where one cannot be written. */
 void outcome_open(outcome *out, const options *opts, const char *engine);
 
-/* Where the journal lies: beside the CSV, or the JSON; 0 where neither is a file. Dies with exit 2 for --resume without one. */
+/* Where the journal lies: beside the first of the outputs that is a file, or 0. Dies with exit 2 for --resume without one, and tells what to
+ * give; outcome_beside is for the CSV and the JSON. */
+const char *first_output(const options *opts, const char *const outputs[], unsigned count, const char *give);
 const char *outcome_beside(const options *opts);
 
 /* Lines of the CSV, as text. */

@@ -21,6 +21,7 @@
 
 #define SHOW 0.25                /* [s] between two lines of progress */
 #define BATCH 16384u             /* realisations whose results are in memory at once, for a few workers */
+#define BATCH_RESULT 1024u       /* [bytes], longer ones lie there in smaller numbers */
 
 typedef struct {
     const options *opts;
@@ -237,11 +238,19 @@ uint64_t job_batch(unsigned workers)
     return (uint64_t)BATCH * ((workers + 7u) / 8u);
 }
 
+/* The most of one batch: fewer where results are long, but a piece a worker. */
+static uint64_t batch_most(const job *what, unsigned workers)
+{
+    const uint64_t whole = job_batch(workers), fit = whole * BATCH_RESULT / what->result_size, least = (uint64_t)workers * what->lanes;
+
+    return fit >= whole ? whole : fit > least ? fit : least;
+}
+
 /* Realisations first + done, ... of opts, to the end. */
 static void lead(const options *opts, const job *what, uint32_t done, batch_sink sink, void *context)
 {
     const unsigned threads = threads_of(opts), workers = threads + (what->lead_alone ? 0 : team_others());
-    const uint64_t batch_size = job_batch(workers);
+    const uint64_t batch_size = batch_most(what, workers);
     const uint32_t left = opts->samples - done, most = left < batch_size ? left : (uint32_t)batch_size;
     const double start = now();
     batch b = { .opts = opts, .what = what, .workers = workers, .results = calloc(most, what->result_size), .finished = calloc(most, 1),
@@ -269,28 +278,34 @@ static void lead(const options *opts, const job *what, uint32_t done, batch_sink
 
 /* ---- journal ------------------------------------------------------------------------------------------------------ */
 
-void job_log(journal *log, const options *opts, const char *beside, const char *kind, size_t size, uint32_t records, uint32_t also)
+void job_log(journal *log, const options *opts, const char *beside, const journal_run *what)
 {
-    const uint32_t run[3] = { case_identity(&opts->run), opts->first, also };
+    const uint32_t run[3] = { case_identity(&opts->run), opts->first, what->parameters };
     const real sample = R(1.0) / R(3.0);   /* another byte order is another run */
-    const uint32_t parameters = kelly_crc32c(kelly_crc32c(0, (const uint8_t *)run, sizeof(run)), (const uint8_t *)&sample, sizeof(sample));
+    journal_run all = *what;
 
+    all.model = kelly_string.id;
+    all.seed = opts->seed;
+    all.parameters = kelly_crc32c(kelly_crc32c(0, (const uint8_t *)run, sizeof(run)), (const uint8_t *)&sample, sizeof(sample));
     if (beside && team_rank() == 0) {
-        journal_open(log, beside, &(journal_run){ .kind = kind, .model = kelly_string.id, .seed = opts->seed, .parameters = parameters,
-                     .records = records, .payload = (uint32_t)size, .in_order = 1 }, opts->resume);
+        journal_open(log, beside, &all, opts->resume);
     }
 }
 
 /* Hand on what an earlier run has done; how many realisations that is. */
 static uint32_t recall(const options *opts, const job *what, batch_sink sink, void *context)
 {
-    _Alignas(16) uint8_t result[JOURNAL_PAYLOAD_MAX];
+    void *const result = malloc(what->result_size);
     uint32_t done = 0, index;
 
+    if (!result) {
+        die(EXIT_FAILED, "out of memory");
+    }
     while (what->log && done < opts->samples && journal_next(what->log, &index, result)) {
         sink(context, opts->first + done, 1, result);
         done++;
     }
+    free(result);
     return done;
 }
 

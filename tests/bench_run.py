@@ -20,9 +20,9 @@ class Run:
     """One `kelly bench`: exit status, stdout, stderr, its JSON and CSV where it wrote them."""
     number = 0
 
-    def __init__(self, words, real="float", files=True, wait=True):
+    def __init__(self, words, real="float", files=True, wait=True, base=None):
         Run.number += 1
-        self.base = os.path.join(TEMPORARY.name, f"{Run.number}-{random.randrange(1 << 30)}")
+        self.base = base or os.path.join(TEMPORARY.name, f"{Run.number}-{random.randrange(1 << 30)}")
         self.csv, self.json = self.base + ".csv", self.base + ".json"
         line = [KELLY[real], "bench", *shlex.split(words)]
         if files:
@@ -77,7 +77,7 @@ def same_campaign(run, case, samples):
         report = run.report()
         yield report["digest"] == digest, f"digest {report['digest']}, on the host {digest}"
         yield bytes_of(run.csv) == rows, "CSV of montecarlo, byte for byte"
-        yield sum(b["results"] for b in report["bench"]["boards"]) == samples == report["samples"], "every index counts exactly once"
+        yield report["bench"]["resumed"] + sum(b["results"] for b in report["bench"]["boards"]) == samples == report["samples"], "every index counts exactly once"
 
 
 class Faulty:

@@ -20,6 +20,7 @@ from bench_line import Between, again
 from bench_run import KELLY, TEMPORARY, Faulty, Run, bytes_of, same_campaign
 from scenarios import run as run_scenarios
 
+HEADER, RECORD = 96, 48          # bytes of a journal in float
 BOARDS = ("stm32f405", "mps2-an500", "rv32")
 CASE = "--duration 4 --window 2:4 --mu 0.02"
 CLOCK = "--icount shift=5,sleep=off"
@@ -96,6 +97,26 @@ def emulator_killed():
     yield len(children) == 1, f"one emulator: {children}"
     yield from same_campaign(run, case, samples)
     yield run.report()["bench"]["boards"][0]["connections"] == 2, f"it was connected twice: {run.said}"
+
+
+def host_killed():
+    """Twice in mid-campaign, once with records torn off; what goes on asks for the rest alone, and gives what one campaign gives."""
+    samples, case = 120, f"{CASE} --samples 120"
+    run = Run(f"{case} --port qemu:stm32f405 --port qemu:rv32", wait=False)
+    for more in (0, 40):
+        until(lambda: os.path.exists(run.csv + ".journal") and os.path.getsize(run.csv + ".journal") > HEADER + (20 + more) * RECORD)
+        run.process.kill()
+        run.wait()
+        os.truncate(run.csv + ".journal", os.path.getsize(run.csv + ".journal") // RECORD * RECORD + 7)   # whole records and a torn one
+        held = (os.path.getsize(run.csv + ".journal") - HEADER) // RECORD
+        other = Run(f"{case} --seed 2 --resume --port qemu:rv32 --csv {run.csv}", files=False)
+        yield other.status == 2 and "of another run" in other.err, f"another seed: {other.said}"
+        run = Run(f"{case} --resume --port qemu:stm32f405 --port qemu:rv32", wait=False, base=run.base)
+    run.wait()
+    yield from same_campaign(run, case, samples)
+    used = run.report()["bench"]["resumed"]
+    yield used == held >= 60 and "torn" in run.err, f"{held} records held, {used} used: {run.said}"
+    yield not os.path.exists(run.csv + ".journal"), "the journal is gone"
 
 
 def hanging_board():
@@ -339,6 +360,7 @@ def scenarios():
         yield f"in step {target}", in_step, (target, {"rv32": "--drive soft --sample 3", "mps2-an500": "--frame-ticks 25 --start rotating"}.get(target, ""))
         yield f"keeps time {target}", keeps_time, (target,)
     yield "emulator killed", emulator_killed, ()
+    yield "host killed", host_killed, ()
     yield "hanging board", hanging_board, ()
     yield "all boards gone", all_boards_gone, ()
     yield "another case", another_case, ()

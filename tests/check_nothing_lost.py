@@ -272,12 +272,13 @@ def check_commands(folder):
             ("sensitivity", f"sensitivity {CASE} --samples 70 --threads 2 --engine scalar", ("json",)),
             ("until", f"montecarlo {CASE} --until-width 0.2 --threads 2", ("csv", "json")),
             ("convergence", "montecarlo --mu 0.004 --duration 1 --window 0:1 --samples 9 --convergence --threads 2", ("json",)),
+            ("envelope", "montecarlo --mu 0.004 --duration 2 --window 0:1 --samples 23 --threads 2 --out-step 0.1", ("envelope.npy", "traces.npy")),
             ("advise", "advise --mu 0.004 --duration 1 --window 0:1 --samples 20 --search-rpm 80:120 --search-wob 80:120", ("json",)),
             ("rare", "rare --mu 0.004 --rpm 125 --start rotating --duration 10 --samples-per-level 1000 --threads 2", ("json",)),
             ("map", "map --mu 0.004 --duration 1 --window 0:1 --samples 20 --rpm 80:120:40 --wob 80:120:40", ("csv", "json", "npy"))):
         place = Place(folder, name)
         counted = os.path.join(folder, name + ".counted")
-        args = f"{run} " + " ".join(f"--{kind} {place.folder}/run.{kind}" for kind in outputs) + " --quiet"
+        args = f"{run} " + " ".join(f"--{kind.split('.')[0]} {place.folder}/run.{kind}" for kind in outputs) + " --quiet"
         want_files = sorted(f"run.{kind}" for kind in outputs)
 
         def results():
@@ -294,7 +295,7 @@ def check_commands(folder):
             claim(hit.returncode == -9 and again.returncode == 0 and results() == want,
                   f"{name} torn at {n}: exit {hit.returncode}, left {lay}; then {again.returncode}, {again.stderr!r}, {place.files()}")
             done += 1
-    FIGURES["aborts of sensitivity, --until-width, --convergence, advise, rare and map, survived"] = done
+    FIGURES["aborts of sensitivity, --until-width, --convergence, --envelope and --traces, advise, rare and map, survived"] = done
 
 
 # ---- whose journal
