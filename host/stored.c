@@ -122,6 +122,17 @@ static uint32_t whole_in(const found *f, unsigned k)
     return (uint32_t)x;
 }
 
+/* A count of what there are at most `most` of. */
+static uint32_t count_in(const found *f, unsigned k, uint32_t most)
+{
+    const uint32_t n = whole_in(f, k);
+
+    if (n > most) {
+        die(EXIT_USAGE, "%s: \"%s\" is %u of %u; give the JSON that the same run of montecarlo wrote", f->path, keys[k], n, most);
+    }
+    return n;
+}
+
 static uint32_t crc_in(const found *f, unsigned k)
 {
     char *end;
@@ -154,8 +165,8 @@ static void open_run(stored_run *run, found *f)
     run->first = whole_in(f, FIRST);
     (void)number_in(f, SAMPLES, 1, UINT32_MAX);
     run->samples = whole_in(f, SAMPLES);
-    run->stuck = whole_in(f, STUCK);
-    run->refused = whole_in(f, REFUSED);
+    run->refused = count_in(f, REFUSED, run->samples);
+    run->stuck = count_in(f, STUCK, run->samples - run->refused);
     (void)number_in(f, SEED, 0, 1.9e19);
     run->seed = strtoull(f->text[SEED], 0, 10);
     run->in_double = strcmp(f->text[REAL_], "double") == 0;
@@ -183,6 +194,24 @@ static void open_case(kelly_case *run, const found *f)
     option_drive(&run->drive, f->text[DRIVE]);
 }
 
+/* The refused ones: by status, and those that are listed. */
+static void open_refused(stored_part *part, const found *f)
+{
+    const stored_run *const run = &part->of;
+
+    for (unsigned k = KELLY_STEP; k < KELLY_STATUSES; k++) {
+        part->tally.status[k] = count_in(f, BY_STEP + k - KELLY_STEP, run->refused - kelly_refused(&part->tally));
+    }
+    if (kelly_refused(&part->tally) != run->refused || part->refused_listed != (run->refused < LISTED ? run->refused : LISTED) || f->index_taken) {
+        die(EXIT_USAGE, "%s: \"refused\", \"refused_by\" and \"refused_first\" do not agree; give the JSON that montecarlo wrote", f->path);
+    }
+    for (uint32_t i = 0; i < part->refused_listed; i++) {
+        if (part->refused_index[i] - run->first >= run->samples || part->refused_why[i] == KELLY_OK) {
+            die(EXIT_USAGE, "%s: \"refused_first\" holds what is none of its realisations or no reason; give the JSON that montecarlo wrote", f->path);
+        }
+    }
+}
+
 void stored_open_part(stored_part *part, const char *path)
 {
     found f = { .path = path, .part = part };
@@ -198,11 +227,9 @@ void stored_open_part(stored_part *part, const char *path)
         die(EXIT_USAGE, "%s: a run that stopped itself (--until-...) is no part of one with a given number; run it with --samples alone", path);
     }
     open_case(&part->of.run, &f);
-    part->tally = (kelly_tally){ .samples = part->of.samples, .stuck = part->of.stuck, .liftoff = whole_in(&f, LIFTOFF), .digest = crc_in(&f, DIGEST) };
-    for (unsigned k = KELLY_STEP; k < KELLY_STATUSES; k++) {
-        part->tally.status[k] = whole_in(&f, BY_STEP + k - KELLY_STEP);
-    }
-    part->stuck_ssi = whole_in(&f, STUCK_SSI);
+    part->tally = (kelly_tally){ .samples = part->of.samples, .stuck = part->of.stuck, .liftoff = count_in(&f, LIFTOFF, part->of.samples), .digest = crc_in(&f, DIGEST) };
+    open_refused(part, &f);
+    part->stuck_ssi = count_in(&f, STUCK_SSI, part->of.samples - part->of.refused);
     part->identity = crc_in(&f, IDENTITY);
     part->has_csv = f.seen[CSV_CRC];
     part->csv_crc = part->has_csv ? crc_in(&f, CSV_CRC) : 0;

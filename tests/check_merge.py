@@ -125,6 +125,15 @@ def check_misfits(folder):
         with open(os.path.join(folder, "b.json"), "wb") as file:
             file.write(bad)
         refused("merge a.csv b.csv c.csv --csv x.csv", folder, "b.json")
+    claim(b'"range"]' in report, "b has refused ones")
+    for key, value in (("stuck", 31), ("refused", 31), ("refused", 0), ("liftoff", 31), ("step", 1000), ("nonfinite", 1), ("refused_first", [])):
+        with open(os.path.join(folder, "b.json"), "wb") as file:   # the first of that name; of ssi's, which comes later, below
+            file.write(re.sub(rb'"%s": ([0-9]+|\[\[.*\]\])' % key.encode(), b'"%s": %s' % (key.encode(), str(value).encode()), report, count=1))
+        refused("merge a.json b.json c.json", folder, "b.json", '"' + key.replace("step", "refused_by.step").replace("nonfinite", "refused"))
+    for old, new in ((rb'("ssi": .*"stuck": )[0-9]+', rb"\g<1>31"), (rb'(refused_first": \[\[)[0-9]+', rb"\g<1>7"), (b'"range"\\]', b'"ok"]')):
+        with open(os.path.join(folder, "b.json"), "wb") as file:
+            file.write(re.sub(old, new, report, count=1))
+        refused("merge a.json b.json c.json", folder, "b.json")
     with open(os.path.join(folder, "b.json"), "wb") as file:
         file.write(re.sub(rb'"csv_crc32c": "[0-9a-f]*",', b"", report))
     refused("merge a.csv b.csv", folder, "without --csv")

@@ -55,10 +55,12 @@ static void read_part(const char *path)
     static stored_part part;
 
     stored_open_part(&part, path);
-    must(part.of.samples >= 1 && part.tally.stuck <= part.tally.samples && part.refused_listed <= LISTED);
+    must(part.of.samples >= 1 && kelly_refused(&part.tally) <= part.tally.samples && part.refused_listed <= LISTED);
+    must(part.tally.stuck <= part.tally.samples - kelly_refused(&part.tally) && part.tally.liftoff <= part.tally.samples);
+    must(part.stuck_ssi <= part.tally.samples - kelly_refused(&part.tally));
     must(memchr(part.case_text, 0, sizeof(part.case_text)) && memchr(part.engine, 0, sizeof(part.engine)));
     for (uint32_t i = 0; i < part.refused_listed; i++) {
-        must(part.refused_why[i] < KELLY_STATUSES);
+        must(part.refused_why[i] > KELLY_OK && part.refused_why[i] < KELLY_STATUSES);
     }
 }
 
