@@ -13,6 +13,16 @@ void fixture_case(kelly_case *run, uint32_t ticks)
     run->window_last = ticks;
 }
 
+real fixture_endless(void)
+{
+    volatile real x = R(1e30);
+
+    for (unsigned i = 0; i < 5; i++) {
+        x = x * x;
+    }
+    return x;
+}
+
 uint64_t fixture_bits(real x)
 {
 #ifdef KELLY_DOUBLE

@@ -44,6 +44,9 @@ extern fixture_memory fixture;
 /* The nominal case of the table for `ticks` steps, nothing random, the window its second half. */
 void fixture_case(kelly_case *run, uint32_t ticks);
 
+/* Infinity, which becomes so when the program runs; minus itself it is no number. A division by zero would stop a sanitised build. */
+real fixture_endless(void);
+
 /* Bits of a real, to tell -0 from 0 and to compare exactly. */
 uint64_t fixture_bits(real x);
 

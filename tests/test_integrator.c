@@ -296,7 +296,7 @@ static void knows_the_insane(void)
 static void knows_a_weight_astray(void)
 {
     kelly_block *const block = &fixture.pair[0];
-    const volatile real zero = R(0.0);
+    const real endless = fixture_endless();
     real swing, good;
 
     fixture_case(&run, 4000);
@@ -305,12 +305,12 @@ static void knows_a_weight_astray(void)
     CHECK(!kelly_block_strays(block, 0));
     block->lane[0].wave = swing / 2;
     CHECK(kelly_block_strays(block, 0) && !kelly_block_sane(block, 0));
-    block->lane[0].wave = zero / zero;
+    block->lane[0].wave = endless - endless;
     CHECK(kelly_block_strays(block, 0));
     kelly_block_resync(block, 0);
     CHECK(kelly_block_sane(block, 0));
     good = block->lane[0].dwave;
-    block->lane[0].dwave = zero / zero;
+    block->lane[0].dwave = endless - endless;
     CHECK(!kelly_block_strays(block, 0) && !kelly_block_sane(block, 0));
     block->lane[0].dwave = good;
     kelly_block_advance(block, KELLY_RESYNC);
