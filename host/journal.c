@@ -170,9 +170,10 @@ static off_t file_size(const journal *j)
 /* Go over to what an earlier run has written. */
 static void resume_from(journal *j, const uint8_t have[HEADER], const uint8_t want[HEADER])
 {
-    const int copy = dup(j->fd);
+    int copy;
 
     compare(j, have, want);
+    copy = dup(j->fd);
     j->earlier = copy < 0 ? 0 : fdopen(copy, "rb");
     if (!j->earlier || fseeko(j->earlier, HEADER, SEEK_SET) != 0) {
         die(EXIT_FAILED, "%s: cannot be read: %s", j->path, strerror(errno));
