@@ -156,7 +156,7 @@ def check_laws_must_be_known(folder, path):
     for old, new, word in (('"mu": 0.00400000019', '"mu": 0.0041', "line 2: parameter 2"), ('"seed": 1,', '"seed": 2,', "line 2: parameter 1"),
                            ('"rpm": 0.200000003', '"rpm": 0.21', "line 2: parameter 5"), ('"first": 0', '"first": 1', "line 2: index 0"),
                            ('"samples": 6000', '"samples": 5999', "line 6001: index 5999"), ('"samples": 6000', '"samples": 6001', "says 6001"),
-                           ('"stuck": ', '"stuck": 1', "says 6000, 1"), ('"limit": 0.98', '"limit": 0.97', "do not agree with the limit"),
+                           ('"stuck": 2', '"stuck": 1', "says 6000, 1"), ('"stuck": ', '"stuck": 1', "of 6000"), ('"limit": 0.98', '"limit": 0.97', "do not agree with the limit"),
                            ('"seed": 1,', "", '"seed"'), ('"cov": {', '"cow": {', '"case.cov.fc"'), ("}", "", "no JSON from character"),
                            ('"first": 0', '"first": 0, "first": 0', "stands twice"), ('"mu": 0.00400000019', '"mu": nan', '"case.mu"')):
         claim(old in text, f"the JSON holds {old}")
