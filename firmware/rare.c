@@ -348,9 +348,8 @@ const char *kelly_rare_start(kelly_rare *rare, const float cov[KELLY_PARAMETERS]
     return 0;
 }
 
-void kelly_rare_lead(kelly_rare *rare, kelly_rare_hint hint, const void *of)
+void kelly_rare_lead(kelly_rare *rare, const kelly_rare_hint *hint)
 {
     rare->hint = hint;
-    rare->of = of;
     rare->leads = 1;
 }

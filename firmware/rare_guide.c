@@ -85,26 +85,38 @@ static real swing(const kelly_table *table, const kelly_case *run, const kelly_d
                                   : KELLY_ABS(modes->d[0]) * modes->b[0]);
 }
 
-float kelly_rare_guess(const void *string, const float x[KELLY_PARAMETERS])
+static float above_plane(const float plane[KELLY_PARAMETERS], const float x[KELLY_PARAMETERS])
 {
-    const kelly_rare_string *const of = string;
+    float sum = 0.0f;
+
+    for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
+        sum += plane[k] * x[k];
+    }
+    return sum;
+}
+
+float kelly_rare_guess(const kelly_rare_hint *hint, const float x[KELLY_PARAMETERS])
+{
     kelly_rare_sample sample;
     kelly_modes modes;
     kelly_draw y;
     real slope, pull, ss;
 
+    if (hint->plane) {
+        return above_plane(hint->plane, x);
+    }
     for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
         sample.x[k] = x[k];
-        if (of->run->cov[k] > 0.0f && kelly_gamma_log_weight(x[k], of->run->cov[k]) <= KELLY_NO_WEIGHT) {
+        if (hint->run->cov[k] > 0.0f && kelly_gamma_log_weight(x[k], hint->run->cov[k]) <= KELLY_NO_WEIGHT) {
             return OUT_OF_REACH;
         }
     }
-    kelly_rare_draw(of->run, &sample, &y);
-    if (!kelly_modes_at(of->table, y.fc, of->run->torsional, &modes)) {
+    kelly_rare_draw(hint->run, &sample, &y);
+    if (!kelly_modes_at(hint->table, y.fc, hint->run->torsional, &modes)) {
         return OUT_OF_REACH;
     }
     slope = slope_of(&y);
     pull = kelly_tanh(y.w0) + y.a1 * y.w0 / (R(1.0) + y.a2 * (y.w0 * y.w0));
-    ss = forced(of->table, of->run, &y, &modes, slope, pull) + swing(of->table, of->run, &y, &modes, slope, pull);
-    return 4.0f * kelly_log32((float)ratio_of(of->table, &modes, slope)) + kelly_log32((float)ss);
+    ss = forced(hint->table, hint->run, &y, &modes, slope, pull) + swing(hint->table, hint->run, &y, &modes, slope, pull);
+    return 4.0f * kelly_log32((float)ratio_of(hint->table, &modes, slope)) + kelly_log32((float)ss);
 }

@@ -44,7 +44,7 @@ static int straight_move(const kelly_rare *rare, kelly_rng *rng, const float old
 /* Logarithm of h = min(1, (hint / level)^SHARP): how likely the hint thinks it that x is in the event. */
 static float log_share(const kelly_rare *rare, const float x[SIZE])
 {
-    const float beyond = rare->hint(rare->of, x) - rare->hint_level;
+    const float beyond = kelly_rare_guess(rare->hint, x) - rare->hint_level;
 
     return beyond < 0.0f ? SHARP * beyond : 0.0f;
 }
@@ -93,7 +93,7 @@ void kelly_rare_aim(kelly_rare *rare)
         const kelly_rare_sample *const seed = &rare->samples[i];
 
         if (!kelly_rare_failed(seed) && seed->guide > LEAST) {
-            const float ratio = kelly_log32(seed->guide) - rare->hint(rare->of, seed->x);
+            const float ratio = kelly_log32(seed->guide) - kelly_rare_guess(rare->hint, seed->x);
 
             sum += ratio;
             squares += ratio * ratio;

@@ -69,7 +69,7 @@ static void run_search(search *s)
     const double start = now();
     kelly_rare_sample *const samples = calloc(s->samples, sizeof(*samples));
     uint32_t *const keys = calloc(s->samples, sizeof(*keys));
-    const kelly_rare_string string = { &kelly_string, &s->opts->run };
+    const kelly_rare_hint hint = { .table = &kelly_string, .run = &s->opts->run };
     const char *error;
 
     s->draws = calloc(s->samples, sizeof(*s->draws));
@@ -80,7 +80,7 @@ static void run_search(search *s)
     if (error) {
         die(EXIT_USAGE, "rare: %s", error);
     }
-    kelly_rare_lead(&s->rare, kelly_rare_guess, &string);
+    kelly_rare_lead(&s->rare, &hint);
     if (team_rank() > 0) {       /* which levels there are is the first process's to know */
         evaluate(s);
         return;

@@ -15,7 +15,7 @@ static kelly_rare_estimate answer;
 static const float normals[KELLY_PARAMETERS] = { 0.001f, 0.001f, 0.001f, 0.001f, 0.001f };
 static const float one_gamma[KELLY_PARAMETERS] = { 0.0f, 0.5f };
 
-/* Grows like exp(1.2 x) over what is met: its logarithm is what a hint guesses. */
+/* Grows like exp(1.2 x) over what is met. */
 static float steep(float x)
 {
     float y = x > -20.0f ? 1.0f + (x + 20.0f) / 32.0f : 1.0f;
@@ -48,17 +48,12 @@ static float far_out(const kelly_rare_sample *s, float limit)
     return above(kelly_gamma_value(s->x[1], 4.0f, 0.5f), limit);
 }
 
-/* Hints for it: a good one, one that sees things, one that points the other way. */
-typedef enum { NO_HINT, GOOD, BLURRED, WRONG } advice;
-static advice advised;
-
-static float hint(const void *of, const float x[KELLY_PARAMETERS])
-{
-    const advice kind = *(const advice *)of;
-    const float h = kind == WRONG ? -height(x) : height(x), blur = kind == BLURRED ? 0.3f * x[0] * x[1] : 0.0f;
-
-    return kelly_log32(steep(h + blur)) + 3.0f;
-}
+/* Hints for it: a good one, 1.2 times the height, one that looks 25 degrees aside, one that points the other way. */
+static const float along[KELLY_PARAMETERS] = { 0.5366563f, 0.5366563f, 0.5366563f, 0.5366563f, 0.5366563f };
+static const float aside[KELLY_PARAMETERS] = { 0.9399773f, 0.3729754f, 0.3729754f, 0.3729754f, 0.3729754f };
+static const float against[KELLY_PARAMETERS] = { -0.5366563f, -0.5366563f, -0.5366563f, -0.5366563f, -0.5366563f };
+static const kelly_rare_hint good = { .plane = along }, blurred = { .plane = aside }, wrong = { .plane = against };
+static const kelly_rare_hint *advised;
 
 typedef enum { PLANE, FAR_OUT, CORNER, FREEZE, FLAT, REFUSE, REFUSE_FAR } event;
 
@@ -86,8 +81,8 @@ static float guide(event what, const kelly_rare_sample *s, float limit)
 static int simulate(event what, const float cov[KELLY_PARAMETERS], float limit, uint64_t seed, uint32_t n)
 {
     CHECK(kelly_rare_start(&rare, cov, seed, n, samples, keys) == 0);
-    if (advised != NO_HINT) {
-        kelly_rare_lead(&rare, hint, &advised);
+    if (advised) {
+        kelly_rare_lead(&rare, advised);
     }
     while (kelly_rare_count(&rare) > 0) {
         for (uint32_t i = rare.first; i < rare.first + rare.count; i++) {
@@ -129,16 +124,16 @@ static void has_the_same_bits_everywhere(void)
     CLOSE(answer.probability, W(0.01), W(0.006));
     (void)simulate(FAR_OUT, one_gamma, 9.0f, UINT64_C(0x123456789abcdef0), 200);
     EQUAL(digest(200), 0xcf846d9du);
-    advised = GOOD;
+    advised = &good;
     CHECK(simulate(PLANE, normals, 2.3263f, 3, 200));
-    EQUAL(digest(200), 0x31a9a457u);
-    advised = NO_HINT;
+    EQUAL(digest(200), 0x1f12a4dbu);
+    advised = 0;
 }
 
 /* A good hint is accepted more often than straight moves are, a wrong one leads no more after one level. */
 static void follows_a_hint_that_helps(void)
 {
-    advised = GOOD;
+    advised = &good;
     CHECK(simulate(PLANE, normals, 3.0f, 5, 200) || rare.state == KELLY_RARE_FEW);
     CHECK(rare.leads);
     for (uint32_t l = 1; l <= rare.level; l++) {
@@ -146,11 +141,11 @@ static void follows_a_hint_that_helps(void)
         CHECK(rare.levels[l].led_accepted * 2 > rare.levels[l].led);
         CHECK(rare.levels[l].accepted >= rare.levels[l].led_accepted && rare.levels[l].proposed == 180);
     }
-    advised = WRONG;
+    advised = &wrong;
     (void)simulate(PLANE, normals, 4.0f, 5, 200);
     CHECK(!rare.leads && rare.level >= 2);
     EQUAL(rare.levels[rare.level].led, 0);
-    advised = NO_HINT;
+    advised = 0;
 }
 
 /* The hint leads on where a fifth of its moves is accepted, and not where fewer are. */
@@ -159,9 +154,9 @@ static void drops_a_hint_below_a_fifth(void)
     for (unsigned enough = 0; enough < 2; enough++) {
         kelly_rare_level *const level = &rare.levels[1];
 
-        advised = GOOD;
+        advised = &good;
         CHECK(kelly_rare_start(&rare, normals, 5, 200, samples, keys) == 0);
-        kelly_rare_lead(&rare, hint, &advised);
+        kelly_rare_lead(&rare, advised);
         while (kelly_rare_count(&rare) > 0 && !(rare.level == 1 && rare.quarter == 0 && rare.at == KELLY_RARE_STATES - 1)) {
             for (uint32_t i = rare.first; i < rare.first + rare.count; i++) {
                 samples[i].guide = plane(&samples[i], 3.0f);
@@ -177,7 +172,7 @@ static void drops_a_hint_below_a_fifth(void)
         EQUAL(level->led, 1000);
         EQUAL(rare.leads, enough);
     }
-    advised = NO_HINT;
+    advised = 0;
 }
 
 /* A move that the laws refuse leaves its sample as it was, to be run again. */
@@ -342,38 +337,36 @@ static void ends_its_interval_at_one(void)
     CLOSE(answer.hi, W(0.1546211), W(1e-5));
 }
 
-/* The first parameter is all that this hint sees: how far it lies from where a move began. */
-static float fixed_point(const void *of, const float x[KELLY_PARAMETERS])
-{
-    return x[0] == *(const float *)of ? 0.0f : -1000.0f;
-}
-
-static float first_of(const void *of, const float x[KELLY_PARAMETERS])
-{
-    (void)of;
-    return x[0];
-}
-
-/* A led move stays where no step over the hint is taken; and where it came from below the level, mostly, as that was less likely. */
+/* A led move goes only where the hint lets it, here down from the edge of a steep plane, and stays where none of its steps does; and where it
+ * came from below the level, mostly, as that was less likely. */
 static void stays_where_it_must(void)
 {
-    const float old[KELLY_PARAMETERS] = { 0.5f };
+    static const float down[KELLY_PARAMETERS] = { -1e6f }, up[KELLY_PARAMETERS] = { 1.0f };
+    static const kelly_rare_hint cliff = { .plane = down }, slope = { .plane = up };
+    const float old[KELLY_PARAMETERS] = { -6.0f }, low[KELLY_PARAMETERS] = { 0.5f };
     float next[KELLY_PARAMETERS];
     unsigned moved = 0;
     kelly_rng rng;
 
     CHECK(kelly_rare_start(&rare, normals, 1, 200, samples, keys) == 0);
-    kelly_rare_lead(&rare, fixed_point, &old[0]);
-    rare.hint_level = 0;
-    for (uint32_t j = 0; j < 50; j++) {
+    kelly_rare_lead(&rare, &cliff);
+    rare.hint_level = 6e6f;
+    for (uint32_t j = 0; j < 200; j++) {
         kelly_rng_key(&rng, 1, j, 0);
-        CHECK(!kelly_rare_move(&rare, &rng, 1, old, next) && next[0] == old[0]);
+        if (kelly_rare_move(&rare, &rng, 1, old, next)) {
+            CHECK(next[0] < old[0]);
+            moved++;
+        } else {
+            CHECK(next[0] == old[0] && next[1] == old[1]);
+        }
     }
-    kelly_rare_lead(&rare, first_of, 0);
+    CHECK(moved > 0 && moved < 200);
+    kelly_rare_lead(&rare, &slope);
     rare.hint_level = 1.0f;                                /* e^-4.5 of the weight that it has beyond 1 */
+    moved = 0;
     for (uint32_t j = 0; j < 50; j++) {
         kelly_rng_key(&rng, 2, j, 0);
-        moved += (unsigned)kelly_rare_move(&rare, &rng, 1, old, next);
+        moved += (unsigned)kelly_rare_move(&rare, &rng, 1, low, next);
     }
     CHECK(moved > 0 && moved < 25);
 }
@@ -382,15 +375,15 @@ static void stays_where_it_must(void)
 static void aims_without_seeds(void)
 {
     CHECK(kelly_rare_start(&rare, normals, 1, 200, samples, keys) == 0);
-    advised = GOOD;
-    kelly_rare_lead(&rare, hint, &advised);
+    advised = &good;
+    kelly_rare_lead(&rare, advised);
     for (uint32_t i = 0; i < rare.chains; i++) {
         samples[i].guide = i % 2 != 0 ? 0.0f : KELLY_RARE_FAILED;
     }
     rare.guide = 0;
     kelly_rare_aim(&rare);
     CLOSE((wide)rare.hint_level, W(-69.0775528), W(1e-4));     /* ln 1e-30 */
-    advised = NO_HINT;
+    advised = 0;
 }
 
 /* (b_1^2 T' / c_1)^4 ss in floating point from elsewhere; above the limit it is a failure, without a result it is refused. */
@@ -453,7 +446,7 @@ static void guesses_from_the_linear_string(void)
     static const real speeds[] = { R(4.0), R(10.0), R(18.0), R(0.5) };
     float x[KELLY_PARAMETERS] = { 0 };
     kelly_case run;
-    const kelly_rare_string string = { &kelly_string, &run };
+    const kelly_rare_hint hint = { .table = &kelly_string, .run = &run };
 
     fixture_case(&run, 100000);
     run.mu = R(0.004);
@@ -461,19 +454,19 @@ static void guesses_from_the_linear_string(void)
         run.w0 = speeds[k / 4];
         run.rotating = k & 1u;
         run.window_first = (k & 2u) != 0 ? 2000000 : 50000;
-        CLOSE((wide)kelly_rare_guess(&string, x), log_guess(&run), W(2e-3));
+        CLOSE((wide)kelly_rare_guess(&hint, x), log_guess(&run), W(2e-3));
     }
     run.cov[0] = 0.5f;
-    CHECK(kelly_rare_guess(&string, x) > -1e5f);
+    CHECK(kelly_rare_guess(&hint, x) > -1e5f);
     run.fc = kelly_string.fc_max / 2;
     x[0] = 6.0f;                                           /* more weight than the table has */
-    CHECK(kelly_rare_guess(&string, x) < -1e5f);
+    CHECK(kelly_rare_guess(&hint, x) < -1e5f);
     x[0] = -40.0f;                                         /* no gamma variable is negative */
-    CHECK(kelly_rare_guess(&string, x) < -1e5f);
+    CHECK(kelly_rare_guess(&hint, x) < -1e5f);
     run.cov[1] = 0.5f;
     x[0] = 0.0f;
     x[1] = -40.0f;
-    CHECK(kelly_rare_guess(&string, x) == kelly_rare_guess(&string, (const float[KELLY_PARAMETERS]){ -40.0f }));
+    CHECK(kelly_rare_guess(&hint, x) == kelly_rare_guess(&hint, (const float[KELLY_PARAMETERS]){ -40.0f }));
 }
 
 /* A run of given draws is the run of the seed that drew them. */
@@ -515,14 +508,14 @@ static void study(event what, const float cov[KELLY_PARAMETERS], float limit, wi
 
 static void is_right_on_average(void)
 {
-    static const advice advices[] = { NO_HINT, GOOD, BLURRED, WRONG };
+    static const kelly_rare_hint *const advices[] = { 0, &good, &blurred, &wrong };
 
     for (unsigned i = 0; i < 4; i++) {
         advised = advices[i];
         study(PLANE, normals, 2.326348f, W(1e-2), 100, 90, W(0.17));
-        study(PLANE, normals, 4.753424f, W(1e-6), 100, advised == WRONG ? 85 : 90, advised == GOOD ? W(0.25) : W(0.42));
+        study(PLANE, normals, 4.753424f, W(1e-6), 100, advised == &wrong ? 85 : 90, advised == &good ? W(0.25) : W(0.42));
     }
-    advised = NO_HINT;
+    advised = 0;
     study(PLANE, normals, 0.0f, W(0.5), 100, 90, W(0.05));
     study(PLANE, normals, 2.326348f, W(1e-2), 100, 90, W(0.15));
     study(PLANE, normals, 3.090232f, W(1e-3), 100, 90, W(0.2));
