@@ -72,24 +72,42 @@ int kelly_rare_failed(const kelly_rare_sample *sample)
     return sample->guide >= KELLY_RARE_FAILED;
 }
 
-/* Failures that are no copies of each other. */
-static uint32_t count_distinct(kelly_rare *rare)
+/* Different ones among the ids of the failures, or of their finds; and how many they are in effect: F^2 / sum m_i^2. */
+static uint32_t count_different(kelly_rare *rare, int finds, float *in_effect)
 {
-    uint32_t n = 0, distinct = 0, last = 0;
+    uint32_t n = 0, different = 0, last = 0;
+    float all, same = 0.0f, squares = 0.0f;
 
     for (uint32_t i = 0; i < rare->n; i++) {
         if (kelly_rare_failed(&rare->samples[i])) {
-            rare->keys[n++] = rare->samples[i].id;
+            rare->keys[n++] = finds ? rare->samples[i].find : rare->samples[i].id;
         }
     }
+    all = (float)(int32_t)n;
     heap(rare->keys, n);
     for (; n > 0; n--) {
         const uint32_t id = pop(rare->keys, n);
 
-        distinct += distinct == 0 || id != last;
+        if (different == 0 || id != last) {
+            different++;
+            squares += same * same;
+            same = 0.0f;
+        }
+        same += 1.0f;
         last = id;
     }
-    return distinct;
+    squares += same * same;
+    *in_effect = squares > 0.0f ? all * all / squares : 0.0f;
+    return different;
+}
+
+/* What is known of the failures of the last level. */
+static void know_failures(kelly_rare *rare)
+{
+    float in_effect;
+
+    rare->distinct = count_different(rare, 0, &in_effect);
+    (void)count_different(rare, 1, &rare->finds);
 }
 
 /* ---- a level and its spread ---------------------------------------------------------------------------------------- */
@@ -204,6 +222,14 @@ static void draw_all(kelly_rare *rare)
     }
 }
 
+/* A failure from none is a find. */
+static void descend(kelly_rare *rare, uint32_t i)
+{
+    const kelly_rare_sample *const old = rare->level > 0 ? &rare->samples[i - rare->chains] : 0;
+
+    rare->samples[i].find = old && kelly_rare_failed(old) ? old->find : rare->samples[i].id;
+}
+
 /* A move that leaves the event leaves the chain where it was. */
 static void settle(kelly_rare *rare)
 {
@@ -214,8 +240,11 @@ static void settle(kelly_rare *rare)
         level->refused += rare->samples[i].guide < 0.0f;
         if (rare->level > 0 && inside(rare, i, rare->guide)) {
             accepted += rare->samples[i].id != rare->samples[i - rare->chains].id;
+            descend(rare, i);
         } else if (rare->level > 0) {
             rare->samples[i] = rare->samples[i - rare->chains];
+        } else {
+            descend(rare, i);
         }
     }
     if (rare->level > 0) {
@@ -258,6 +287,14 @@ static kelly_rare_state judge(const kelly_rare *rare)
     return rare->level > 0 && level->accepted * STILL < level->proposed ? KELLY_RARE_STILL : KELLY_RARE_RUNNING;
 }
 
+/* Whether those of the last of several levels can. */
+static kelly_rare_state judge_failures(const kelly_rare *rare)
+{
+    return kelly_rare_product(rare) < KELLY_RARE_LEAST ? KELLY_RARE_TOO_RARE :
+           rare->finds < KELLY_RARE_FINDS(rare->n) ? KELLY_RARE_LUCK :
+           rare->distinct < KELLY_RARE_DISTINCT ? KELLY_RARE_FEW : KELLY_RARE_DONE;
+}
+
 static kelly_rare_state end_level(kelly_rare *rare)
 {
     kelly_rare_level *const level = now(rare);
@@ -268,9 +305,8 @@ static kelly_rare_state end_level(kelly_rare *rare)
     }
     if (level->failed >= rare->chains) {
         measure(rare, KELLY_RARE_FAILED);
-        rare->distinct = count_distinct(rare);
-        return rare->level > 0 && kelly_rare_product(rare) < KELLY_RARE_LEAST ? KELLY_RARE_TOO_RARE :
-               rare->level > 0 && rare->distinct < KELLY_RARE_DISTINCT ? KELLY_RARE_FEW : KELLY_RARE_DONE;
+        know_failures(rare);
+        return rare->level > 0 ? judge_failures(rare) : KELLY_RARE_DONE;
     }
     measure(rare, kth_guide(rare, rare->chains));
     if (kelly_rare_product(rare) < W(1.01) * KELLY_RARE_LEAST) {      /* and P lies below it */

@@ -21,13 +21,23 @@
  *             On a plane in five normals at 1e-6 (2400 a level, 100 seeds) the spread is 0.21 with a hint along it, 0.30 with one
  *             that looks 25 degrees aside, 0.29 with none, 0.37 with one that points the other way.
  *
+ * One region. Where failures lie in two places, the guide leads to one of them, and the answer would be that of this one, or of the chance
+ * by which a sample of an early level lay in the other. Two things are looked at, and an answer that they contradict is none:
+ *
+ *     finds   a find is a failure that was proposed from a sample that was none; its copies and what was proposed from it descend from it.
+ *             With m_i of the last level's F failures from find i there are F^2 / sum m_i^2 of them in effect, at least KELLY_RARE_FINDS.
+ *     look    a search for each mode, over the ss by which the linear string resonates in that mode alone, and so without a realisation,
+ *             for draws where it exceeds 0.4 limit. It goes where f_a meets the mode, and ends where that is far rarer than the
+ *             answer; some of what it ends with are run. P of the look times the share that fails is P of the failures there. Where
+ *             the search has less of them by 2.33 standard deviations of both (1 %), and by a fifth of its answer, it has missed them.
+ *
  * A first level with n / 10 failures is plain Monte Carlo, and read as such: its draws are those of kelly_run for the same seed.
  *
  * The caller evaluates: kelly_rare_start; then, while kelly_rare_count(rare) > 0, set the guide of each sample
  * rare->samples[rare->first ..], kelly_rare_count of them, in any order, and call kelly_rare_accept; then kelly_rare_read.
  *
  * Random  stream (seed, level, chain, step): the same samples on every machine, at any number of lanes or threads.
- * Memory  sizeof(kelly_rare) + 32 n bytes, the caller's.
+ * Memory  sizeof(kelly_rare) + 36 n bytes, the caller's; as much again for a look.
  * Cost    n + 0.9 n a level beyond the first realisations, some 20 n log n operations a level, 8 hints a led move.
  */
 #ifndef KELLY_RARE_H
@@ -40,6 +50,7 @@
 #define KELLY_RARE_LEVELS 12u           /* at most; p^12 */
 #define KELLY_RARE_LEAST W(1e-9)        /* smallest P that is reported */
 #define KELLY_RARE_DISTINCT 50u         /* fewest different failures in the last level */
+#define KELLY_RARE_FINDS(n) (2.0f + (float)(int32_t)(n) / 240.0f)    /* fewest finds in effect; 19 of 2400 were the fewest of 900 runs */
 #define KELLY_RARE_MIN 200u             /* samples a level: a multiple of 40 in MIN..MAX */
 #define KELLY_RARE_MAX 1000000u
 
@@ -50,6 +61,7 @@ typedef struct {
     float x[KELLY_PARAMETERS];          /* 0 where the parameter is not random */
     float guide;                        /* >= 0, KELLY_RARE_FAILED, or KELLY_RARE_REFUSED: this draw cannot be run */
     uint32_t id;                        /* realisation that it came from, in the order of proposal: copies share it */
+    uint32_t find;                      /* of a failure: id of the find that it descends from */
 } kelly_rare_sample;
 
 typedef enum {
@@ -60,10 +72,12 @@ typedef enum {
     KELLY_RARE_FEW,                     /* under KELLY_RARE_DISTINCT different failures */
     KELLY_RARE_STILL,                   /* a level accepted under a tenth of its moves: the chains hardly move */
     KELLY_RARE_DEEP,                    /* more than KELLY_RARE_LEVELS levels */
+    KELLY_RARE_LUCK,                    /* under KELLY_RARE_FINDS finds */
+    KELLY_RARE_ELSEWHERE,               /* kelly_rare_compare: failures were missed */
     KELLY_RARE_UNKNOWN                  /* draws were refused, in a place that failures may share: no rejected move */
 } kelly_rare_state;
 
-#define KELLY_RARE_OUTCOMES 8
+#define KELLY_RARE_OUTCOMES 10
 
 typedef struct {
     float guide;                        /* of the next event; KELLY_RARE_FAILED in the last level */
@@ -101,6 +115,7 @@ typedef struct {
     float hint_level;                   /* of the present event, as the hint sees it */
     float guide;                        /* of the present event */
     uint32_t distinct;                  /* different failures in the last level */
+    float finds;                        /* finds in effect that they descend from */
     kelly_rare_level levels[KELLY_RARE_LEVELS];
 } kelly_rare;
 
@@ -127,6 +142,23 @@ void kelly_rare_accept(kelly_rare *rare);
 /* The answer of a run that is KELLY_RARE_DONE. */
 void kelly_rare_read(const kelly_rare *rare, kelly_rare_estimate *out);
 
+/* A look at a mode, in a search that was just started: all of it, some 0.3 us a sample and level, unless what it looks for is rarer than
+ * `least`. Then the first `count` samples, at most `most` > 0, wait for their guide (kelly_rare_guide): some of all that it has found;
+ * none where it has no answer. */
+void kelly_rare_look(kelly_rare *look, const kelly_rare_hint *hint, unsigned mode, wide least, uint32_t most);
+
+/* What of P a look saw, its samples run: 0 where none of them failed. */
+typedef struct {
+    wide probability;
+    wide variance;                      /* squared coefficient of variation */
+    uint32_t tried, failed;
+} kelly_rare_seen;
+
+void kelly_rare_see(const kelly_rare *look, kelly_rare_seen *seen);
+
+/* A run that is KELLY_RARE_DONE, not plain, becomes KELLY_RARE_ELSEWHERE where a look has seen more. */
+void kelly_rare_compare(kelly_rare *rare, const kelly_rare_hint *hint, unsigned mode, const kelly_rare_seen *seen);
+
 /* For rare.c: P of the present level's event. */
 wide kelly_rare_product(const kelly_rare *rare);
 
@@ -145,6 +177,9 @@ const char *kelly_rare_reason(kelly_rare_state state);
 /* Parameters of a sample, and its guide once they have been run. */
 void kelly_rare_draw(const kelly_case *run, const kelly_rare_sample *sample, kelly_draw *draw);
 float kelly_rare_guide(const kelly_table *table, const kelly_case *run, const kelly_result *result);
+
+/* ss of the linear string at x as if it had this mode alone; 0 where x cannot be run. Not for a plane. */
+float kelly_rare_resonance(const kelly_rare_hint *hint, const float x[KELLY_PARAMETERS], unsigned mode);
 
 /* Logarithm of the hint for that guide at x, from any scale; far below all others where x cannot be run. Some 40 operations a mode. */
 float kelly_rare_guess(const kelly_rare_hint *hint, const float x[KELLY_PARAMETERS]);

@@ -46,7 +46,8 @@ const char *kelly_rare_reason(kelly_rare_state state)
         "not over yet", "done", "no failure was found down to a probability of 1e-9", "the probability is below 1e-9",
         "fewer than 50 different failures in the last level: give more samples a level",
         "fewer than a tenth of the moves of a level were accepted: give more samples a level",
-        "more than 12 levels", "realisations were refused that may be failures: give a shorter step",
+        "more than 12 levels", "the failures descend from few finds, in a place that the search does not lead to: give montecarlo, or more samples a level",
+        "failures lie in more than one place, and the search has missed some: give montecarlo", "realisations were refused that may be failures: give a shorter step",
     };
 
     return (unsigned)state < KELLY_RARE_OUTCOMES ? reasons[state] : "no such state";

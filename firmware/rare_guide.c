@@ -51,13 +51,13 @@ float kelly_rare_guide(const kelly_table *table, const kelly_case *run, const ke
     return (float)((ratio * ratio) * (ratio * ratio) * result->ss);
 }
 
-/* Amplitude over w0 of the bit speed that f_a keeps up at w0: with H = sum b_i^2 i w0 / (w_i^2 - w0^2 + i w0 c_i) it is
+/* Amplitude over w0 of the bit speed that f_a keeps up at w0, by the modes from `from` on: with H = sum b_i^2 i w0 / (w_i^2 - w0^2 + i w0 c_i) it is
  * |H| mu f0 G / |1 - T' H|, G = tanh w0 + a1 w0 / (1 + a2 w0^2). */
-static real forced(const kelly_table *table, const kelly_case *run, const kelly_draw *y, const kelly_modes *modes, real slope, real pull)
+static real forced(const kelly_table *table, const kelly_case *run, const kelly_draw *y, const kelly_modes *modes, unsigned from, real slope, real pull)
 {
     real re = 0, im = 0, a, b;
 
-    for (unsigned i = 0; i < modes->count; i++) {
+    for (unsigned i = from; i < modes->count; i++) {
         const real stiff = modes->w2[i] - y->w0 * y->w0, loss = y->w0 * (table->alpha + table->beta * modes->w2[i]);
         const real g = modes->b[i] * modes->b[i] * y->w0 / (stiff * stiff + loss * loss);
 
@@ -95,9 +95,28 @@ static float above_plane(const float plane[KELLY_PARAMETERS], const float x[KELL
     return sum;
 }
 
-float kelly_rare_guess(const kelly_rare_hint *hint, const float x[KELLY_PARAMETERS])
+/* The draw at x, its first `count` modes, and what the rock does at w0: T' and T over mu fc. 0 where x cannot be run. */
+static int place(const kelly_rare_hint *hint, const float x[KELLY_PARAMETERS], unsigned count, kelly_draw *y, kelly_modes *modes, real *slope, real *pull)
 {
     kelly_rare_sample sample;
+
+    for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
+        sample.x[k] = x[k];
+        if (hint->run->cov[k] > 0.0f && kelly_gamma_log_weight(x[k], hint->run->cov[k]) <= KELLY_NO_WEIGHT) {
+            return 0;
+        }
+    }
+    kelly_rare_draw(hint->run, &sample, y);
+    if (!kelly_modes_at(hint->table, y->fc, count, modes)) {
+        return 0;
+    }
+    *slope = slope_of(y);
+    *pull = kelly_tanh(y->w0) + y->a1 * y->w0 / (R(1.0) + y->a2 * (y->w0 * y->w0));
+    return 1;
+}
+
+float kelly_rare_guess(const kelly_rare_hint *hint, const float x[KELLY_PARAMETERS])
+{
     kelly_modes modes;
     kelly_draw y;
     real slope, pull, ss;
@@ -105,18 +124,18 @@ float kelly_rare_guess(const kelly_rare_hint *hint, const float x[KELLY_PARAMETE
     if (hint->plane) {
         return above_plane(hint->plane, x);
     }
-    for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
-        sample.x[k] = x[k];
-        if (hint->run->cov[k] > 0.0f && kelly_gamma_log_weight(x[k], hint->run->cov[k]) <= KELLY_NO_WEIGHT) {
-            return OUT_OF_REACH;
-        }
-    }
-    kelly_rare_draw(hint->run, &sample, &y);
-    if (!kelly_modes_at(hint->table, y.fc, hint->run->torsional, &modes)) {
+    if (!place(hint, x, hint->run->torsional, &y, &modes, &slope, &pull)) {
         return OUT_OF_REACH;
     }
-    slope = slope_of(&y);
-    pull = kelly_tanh(y.w0) + y.a1 * y.w0 / (R(1.0) + y.a2 * (y.w0 * y.w0));
-    ss = forced(hint->table, hint->run, &y, &modes, slope, pull) + swing(hint->table, hint->run, &y, &modes, slope, pull);
+    ss = forced(hint->table, hint->run, &y, &modes, 0, slope, pull) + swing(hint->table, hint->run, &y, &modes, slope, pull);
     return 4.0f * kelly_log32((float)ratio_of(hint->table, &modes, slope)) + kelly_log32((float)ss);
+}
+
+float kelly_rare_resonance(const kelly_rare_hint *hint, const float x[KELLY_PARAMETERS], unsigned mode)
+{
+    kelly_modes modes;
+    kelly_draw y;
+    real slope, pull;
+
+    return place(hint, x, mode + 1, &y, &modes, &slope, &pull) ? (float)forced(hint->table, hint->run, &y, &modes, mode, slope, pull) : 0.0f;
 }

@@ -146,7 +146,9 @@ static void write_failures(FILE *to, const search *s, double *list)
     if (n > 0) {
         write_resonances(to, s, list, n);
     }
-    fprintf(to, "\n    \"count\": %u, \"distinct\": %u},\n", n, s->rare.distinct);
+    fprintf(to, "\n    \"count\": %u, \"distinct\": %u, \"finds\": %.6g},\n", n, s->rare.distinct, (double)s->rare.finds);
+    fprintf(to, "  \"look\": {\"mode\": %u, \"probability\": %.9g, \"cov\": %.6g, \"tried\": %u, \"failed\": %u},\n", s->seen_at + 1,
+            (double)s->seen.probability, sqrt((double)s->seen.variance), s->seen.tried, s->seen.failed);
 }
 
 void rare_write_json(FILE *to, const search *s, double *list)
@@ -159,7 +161,7 @@ void rare_write_json(FILE *to, const search *s, double *list)
         fprintf(to, "{\n  \"probability\": null,\n  \"ci95\": null,\n  \"cov\": null,\n  \"method\": \"subset simulation\",\n  \"reason\": \"%s\",\n",
                 kelly_rare_reason(s->rare.state));
     }
-    fprintf(to, "  \"realisations\": %u,\n  \"samples_per_level\": %u,\n  \"refused\": %u,\n", s->rare.realisations, s->samples,
+    fprintf(to, "  \"realisations\": %u,\n  \"samples_per_level\": %u,\n  \"refused\": %u,\n", s->out.tally.samples, s->samples,
             kelly_refused(&s->out.tally));
     outcome_write_refused(to, &s->out);
     write_levels(to, s);
@@ -199,7 +201,7 @@ void rare_print(const search *s, double *list)
     if (done(s)) {
         printf("P(stick-slip) = %.3g   95 %% interval %.3g .. %.3g   coefficient of variation %.2f   (%s, %u levels, %u realisations)\n",
                (double)s->answer.probability, (double)s->answer.lo, (double)s->answer.hi, (double)s->answer.cov,
-               s->answer.plain ? "Monte Carlo" : "subset simulation", s->rare.level + 1, s->rare.realisations);
+               s->answer.plain ? "Monte Carlo" : "subset simulation", s->rare.level + 1, s->out.tally.samples);
         printf("where the %u failures of the last level lie (%u different):\n", s->rare.levels[s->rare.level].failed, s->rare.distinct);
         print_failures(s, list);
     }

@@ -10,7 +10,10 @@ typedef struct {
     const options *opts;
     const kelly_engine *engine;
     uint32_t samples;            /* a level */
-    kelly_rare rare;
+    kelly_rare rare, look;
+    kelly_rare *at_work;         /* which of the two is evaluated */
+    kelly_rare_seen seen;        /* by the look that saw most */
+    unsigned seen_at;            /* mode */
     kelly_rare_estimate answer;
     outcome out;                 /* all realisations, their index the order of proposal */
     kelly_draw *draws;

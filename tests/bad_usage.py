@@ -30,7 +30,7 @@ USAGE = [
     *(f"{command} --drive {value}" for command in (MC, SIM, "map --rpm 60 --wob 40 --samples 1 --duration 1 --window 0:1")
       for value in ("STIFF", "sof", "softer", "soft:", "soft:Z", "soft:Z=", "soft:Z=0", "soft:Z=-1", "soft:Z=nan", "soft:Z=1x", "soft:Z=1,,f=1", "soft:Z=1,Z=2",
                     "soft:J=0.5", "soft:J=1e10", "soft:f=0", "soft:f=101", "soft:q=1", "soft,Z=1", "stiff:Z=1", "soft:Z=1,", "''", "s" * 200)),
-    *(f"rare --duration 1 --window 0:1 {args}" for args in ("--cov 0", "--samples-per-level 0", "--samples-per-level 2001", "--samples-per-level 160",
+    *(f"rare --duration 1 --window 0:1 {args}" for args in ("--cov 0", "--samples-per-level 0", "--samples-per-level 2001", "--samples-per-level 960",
                                                             "--samples-per-level 1.5", "--samples-per-level", "--samples 10", "--first 1", "--csv x.csv",
                                                             "--convergence", "--limit -1", "--seed -1")),
     "simulate --drive soft:Z=1e6,J=1", "simulate --drive soft --rpm 2500",

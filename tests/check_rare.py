@@ -118,7 +118,7 @@ def check_reference_cases():
             continue
         claim(abs(math.log(out["probability"] / reference)) < 4 * out["cov"], f"{name}: P {out['probability']:.3g} of {reference:.3g}")
         claim(out["ci95"][0] < out["probability"] < out["ci95"][1], f"{name}: interval {out['ci95']}")
-        claim(out["realisations"] == 2400 + 2160 * (out["levels"] - 1), f"{name}: {out['levels']} levels of {out['realisations']}")
+        claim(out["realisations"] == 2400 + 2160 * (out["levels"] - 1) + out["look"]["tried"], f"{name}: {out['levels']} levels of {out['realisations']}")
         claim(len(out["acceptance"]) == out["levels"] - 1 and min(out["acceptance"]) > 0.3, f"{name}: acceptance {out['acceptance']}")
         claim(min(out["acceptance_led"]) > 0.35, f"{name}: the hint leads well: {out['acceptance_led']}")
         rpm = out["failures"]["rpm"]
@@ -128,7 +128,7 @@ def check_reference_cases():
 
 def check_same_bits():
     """Threads and vector units change nothing."""
-    deep = "--mu 0.004 --rpm 150 --cov 0.2 --duration 20 --window 10:20 --start rotating --samples-per-level 400 --step 0.002"
+    deep = "--mu 0.004 --rpm 150 --cov 0.2 --duration 20 --window 10:20 --start rotating --samples-per-level 1000 --step 0.002"
     runs = [rare(f"{deep} {more}")[0] for more in ("", "--threads 3", "--engine scalar", "--engine sse2 --threads 2")]
     for out in runs[1:]:
         for key in runs[0]:
@@ -148,8 +148,8 @@ def check_not_random():
 
 def check_refusals():
     """Each with its reason, exit 1 and a JSON without a probability."""
-    short = "--duration 20 --window 10:20 --start rotating --samples-per-level 200"
-    for args, reason in ((f"--mu 0.004 --rpm 240 --cov 0.05 {short}", "1e-9"), (f"--mu 0.004 --rpm 130 --cov 0.1 {short} --seed 3", "50 different"),
+    short = "--duration 20 --window 10:20 --start rotating --samples-per-level 1000"
+    for args, reason in ((f"--mu 0.004 --rpm 240 --cov 0.05 {short}", "1e-9"),
                          (f"--mu 0.004 --rpm 200 --limit 10 {short}", "no failure"),
                          (f"--mu 0.04 --rpm 700 --step 0.002 --cov 0.2 {short}", "shorter step")):
         out, status = rare(args)
@@ -161,8 +161,20 @@ def check_refusals():
     claim(len(out["refused_first"]) == min(out["refused"], 100) and "refused: " in done.stdout, "the refused by their index")
 
 
+def check_two_places():
+    """Failures on both sides of the mean speed, at 96 and, at a resonance, at 132 rpm: P is 8.7e-5 by 150 000 plain realisations, and the search
+    alone sees 6e-7. And a lucky sample of an early level, which stands for 64 times the 6.5e-6 of the second case. No seed may answer."""
+    for args, seeds in (("--mu 0.004 --f0 95 --rpm 116 --cov rpm=0.035", range(1, 4)), ("--mu 0.004 --f0 95 --rpm 116 --cov rpm=0.03", range(1, 4)),
+                        ("--mu 0.004 --f0 90 --rpm 114 --cov rpm=0.035", range(1, 2))):
+        for seed in seeds:
+            out, status = rare(f"{args} --seed {seed} --step 0.002")
+            claim(status == 1 and out["probability"] is None and ("more than one place" in out["reason"] or "few finds" in out["reason"]),
+                  f"{args}, seed {seed}: {out.get('probability')}, {out.get('reason')}")
+            claim("few finds" in str(out["reason"]) or out["look"]["failed"] > 0, f"{args}, seed {seed}: {out['look']}")
+
+
 def check_bad_usage():
-    for args, word in (("--cov 0", "nothing is random"), ("--samples-per-level 2001", "multiple of 40"), ("--samples-per-level 40", "200"),
+    for args, word in (("--cov 0", "nothing is random"), ("--samples-per-level 2001", "multiple of 40"), ("--samples-per-level 960", "1000"),
                        ("--samples-per-level x", "not a whole number"), ("--samples 100", "--samples"), ("--first 3", "--first"), ("--csv x.csv", "--csv"),
                        ("--convergence", "--convergence"), ("--nonsense 1", "--nonsense"), ("--limit 11", "--limit 11"), ("--cov 0.6", "--cov 0.6")):
         refused(f"rare {args}", word)
@@ -170,7 +182,7 @@ def check_bad_usage():
 
 
 def gate(names):
-    for name in names or ("bad_usage", "plain_level", "same_bits", "not_random", "refusals", "reference_cases"):
+    for name in names or ("bad_usage", "plain_level", "same_bits", "not_random", "refusals", "two_places", "reference_cases"):
         globals()["check_" + name]()
     if names:
         return

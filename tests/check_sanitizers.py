@@ -60,7 +60,7 @@ def command_lines(kelly, folder):
              ["montecarlo", *few, "--envelope", at("envelope.csv"), "--out-step", "0.1"],
              ["whatif", "--from", at("run.csv"), "--mu", "0.041"],
              *part, ["merge", at("16.csv"), at("0.csv"), "--csv", at("all.csv"), "--json", at("all.json")],
-             ["rare", *few[2:], "--cov", "0.2", "--samples-per-level", "200"],
+             ["rare", *few[2:], "--cov", "0.2", "--samples-per-level", "1000"],
              ["sensitivity", *few],
              ["map", *grid, *few, "--json", at("map.json"), "--csv", at("map.csv")],
              ["advise", *few, "--below", "0.05"],

@@ -10,6 +10,7 @@ static kelly_rare rare;
 static kelly_rare_sample samples[MOST];
 static uint32_t keys[MOST];
 static kelly_rare_estimate answer;
+static kelly_case looked;
 
 /* Laws this narrow are normal to 1e-8 x^4 in the logarithm. */
 static const float normals[KELLY_PARAMETERS] = { 0.001f, 0.001f, 0.001f, 0.001f, 0.001f };
@@ -55,7 +56,7 @@ static const float against[KELLY_PARAMETERS] = { -0.5366563f, -0.5366563f, -0.53
 static const kelly_rare_hint good = { .plane = along }, blurred = { .plane = aside }, wrong = { .plane = against };
 static const kelly_rare_hint *advised;
 
-typedef enum { PLANE, FAR_OUT, CORNER, FREEZE, FLAT, REFUSE, REFUSE_FAR } event;
+typedef enum { PLANE, FAR_OUT, CORNER, ISLAND, FREEZE, FLAT, REFUSE, REFUSE_FAR } event;
 
 static float guide(event what, const kelly_rare_sample *s, float limit)
 {
@@ -64,6 +65,8 @@ static float guide(event what, const kelly_rare_sample *s, float limit)
         return far_out(s, limit);
     case CORNER:                                           /* two regions, none of which sees the other */
         return above(s->x[0] > 0 ? s->x[0] : -s->x[0], limit);
+    case ISLAND:
+        return s->x[0] < -3.0f ? KELLY_RARE_FAILED : plane(s, limit);
     case FREEZE:                                           /* beyond the first level nothing is let in */
         return rare.level > 0 ? 0.0f : plane(s, limit);
     case FLAT:                                             /* no way up */
@@ -259,6 +262,96 @@ static void is_plain_where_that_is_enough(void)
     CHECK(simulate(PLANE, normals, -30.0f, 3, 200));       /* P = 1: no spread, no 0/0 */
     CHECK(answer.probability == 1 && answer.hi == 1 && answer.lo > W(0.98) && answer.cov == 0);
     CHECK(simulate(REFUSE, normals, -0.5f, 3, 200) && answer.plain);
+}
+
+/* Two places: an island of P = Phi(-3) that nothing leads to, and a rarer one up the plane. Where a sample of the first level lies on the
+ * island, all failures descend from the one or two that do; where none does, from many, up the plane. */
+static void knows_luck(void)
+{
+    unsigned lucky = 0;
+
+    for (uint64_t seed = 1; seed <= 12; seed++) {
+        const int answered = simulate(ISLAND, normals, 4.0f, seed, 200);
+        uint32_t on_island = 0;
+
+        for (uint32_t i = 0; i < 200; i++) {
+            on_island += kelly_rare_failed(&samples[i]) && samples[i].x[0] < -2.0f ? 1u : 0u;
+        }
+        if (on_island > 20) {
+            lucky++;
+            CHECK(!answered && rare.state == KELLY_RARE_LUCK && rare.finds >= 1.0f && rare.finds < KELLY_RARE_FINDS(200));
+        } else {
+            CHECK(!answered || rare.finds >= KELLY_RARE_FINDS(200));
+        }
+    }
+    CHECK(lucky > 0);
+}
+
+/* P of the linear string's resonance, as draws alone give it; and an answer that lacks the failures that a look has found is none. */
+static void looks_at_resonances(void)
+{
+    const uint32_t n = BY_LENGTH(200, 2400), draws = BY_LENGTH(20000, 1000000);
+    const kelly_rare_hint hint = { .table = &kelly_string, .run = &looked };
+    uint32_t above = 0;
+    kelly_rare_seen seen;
+    kelly_rng rng;
+    wide p;
+
+    fixture_case(&looked, 100000);
+    looked.mu = R(0.004);
+    looked.w0 = R(12.0);                                   /* the third mode is at 13.85 rad/s */
+    looked.f0 = R(95000.0);
+    looked.cov[4] = 0.05f;
+    CHECK(kelly_rare_start(&rare, looked.cov, 1, n, samples, keys) == 0);
+    kelly_rare_look(&rare, &hint, 2, W(1e-6), n / 10);
+    EQUAL(rare.state, KELLY_RARE_DONE);
+    EQUAL(kelly_rare_count(&rare), n / 10);
+    for (uint32_t i = 0; i < n / 10; i++) {
+        CHECK(kelly_rare_resonance(&hint, samples[i].x, 2) > (float)looked.limit * 0.4f);
+        samples[i].guide = i % 4 == 0 ? KELLY_RARE_FAILED : 0.0f;
+    }
+    kelly_rare_read(&rare, &answer);
+    for (uint32_t j = 0; j < draws; j++) {
+        float x[KELLY_PARAMETERS] = { 0 };
+
+        kelly_rng_key(&rng, 5, j, 4);
+        x[4] = kelly_gamma_normal(&rng, 0.05f);
+        above += kelly_rare_resonance(&hint, x, 2) > (float)looked.limit * 0.4f ? 1u : 0u;
+    }
+    p = (wide)above / (wide)draws;
+    CHECK(above > 20);
+    CLOSE(answer.probability / p, 1, 4 * (wide)kelly_sqrt32((float)(answer.cov * answer.cov + 1 / (wide)above)));
+    kelly_rare_see(&rare, &seen);
+    EQUAL(seen.tried, n / 10);
+    EQUAL(seen.failed, (n / 10 + 3) / 4);
+    CLOSE(seen.probability / answer.probability, (wide)seen.failed / (wide)seen.tried, W(1e-6));
+    CHECK(seen.variance > answer.cov * answer.cov);
+    CHECK(kelly_rare_start(&rare, looked.cov, 1, n, samples, keys) == 0);
+    kelly_rare_look(&rare, &hint, 9, W(1e-6), n / 10);     /* 54.8 rad/s: too rare */
+    EQUAL(kelly_rare_count(&rare), 0);
+}
+
+/* An answer that has the failures a look has found stands, and one that lacks them does not, if they matter. */
+static void compares_with_a_look(void)
+{
+    const kelly_rare_hint hint = { .table = &kelly_string, .run = &looked };
+
+    for (unsigned k = 0; k < 4; k++) {                     /* none, none but few, all, none but uncertain */
+        const wide ratio[4] = { 8, W(0.19), 1, 8 };
+        kelly_rare_seen seen = { .tried = 20, .failed = 10, .variance = k == 3 ? W(9.0) : W(0.01) };
+
+        CHECK(simulate(PLANE, normals, 2.3263f, 3, 200));
+        for (uint32_t i = 0; i < 200; i++) {               /* at the mean, or where the third mode is */
+            for (unsigned m = 0; m < KELLY_PARAMETERS; m++) {
+                samples[i].x[m] = 0.0f;
+            }
+            samples[i].x[4] = k == 2 ? 2.95f : 0.0f;
+        }
+        CHECK((kelly_rare_resonance(&hint, samples[0].x, 2) > (float)looked.limit * 0.4f) == (k == 2));
+        seen.probability = answer.probability * ratio[k];
+        kelly_rare_compare(&rare, &hint, 2, &seen);
+        EQUAL(rare.state, k == 0 ? KELLY_RARE_ELSEWHERE : KELLY_RARE_DONE);
+    }
 }
 
 static void draws_what_kelly_run_draws(void)
@@ -535,6 +628,9 @@ void test_rare(void)
     runs_a_refused_move_again();
     leaves_samples_of_the_event();
     is_plain_where_that_is_enough();
+    knows_luck();
+    looks_at_resonances();
+    compares_with_a_look();
     draws_what_kelly_run_draws();
     refuses_with_a_reason();
     reports_nothing_below_its_least();

@@ -1,0 +1,100 @@
+/* rare_look.c - a second look for failures, over the linear string, where the guide of a search does not lead. See rare.h. */
+#include "detmath.h"
+#include "rare.h"
+
+#define NEARLY R(0.4)            /* of the limit: from there on other modes and the rock may do the rest */
+#define SURE W(2.33)             /* standard deviations: 1 % on one side */
+#define MATTERS W(0.2)           /* of the answer, that may be missed */
+
+/* Probability of the event that the samples of the present level are of. */
+static wide reached(const kelly_rare *look)
+{
+    wide p = 1;
+
+    for (uint32_t i = 0; i < look->level; i++) {
+        p *= (wide)look->levels[i].inside / (wide)look->n;
+    }
+    return p;
+}
+
+static float enough_of(const kelly_rare_hint *hint)
+{
+    return (float)(NEARLY * hint->run->limit);
+}
+
+void kelly_rare_look(kelly_rare *look, const kelly_rare_hint *hint, unsigned mode, wide least, uint32_t most)
+{
+    const float enough = enough_of(hint);
+    uint32_t found = 0, kept = 0, every;
+
+    while (kelly_rare_count(look) > 0 && reached(look) >= least) {
+        for (uint32_t i = look->first; i < look->first + look->count; i++) {
+            const float ss = kelly_rare_resonance(hint, look->samples[i].x, mode);
+
+            look->samples[i].guide = ss > enough ? KELLY_RARE_FAILED : ss;
+        }
+        kelly_rare_accept(look);
+    }
+    look->count = 0;
+    if (look->state != KELLY_RARE_DONE) {
+        return;
+    }
+    every = look->levels[look->level].failed / most;
+    for (uint32_t i = 0; i < look->n && kept < most; i++) {                /* every so many of them, to the front */
+        if (kelly_rare_failed(&look->samples[i]) && ++found % (every > 0 ? every : 1) == 0) {
+            look->samples[kept++] = look->samples[i];
+        }
+    }
+    look->first = 0;
+    look->count = kept;
+}
+
+void kelly_rare_see(const kelly_rare *look, kelly_rare_seen *seen)
+{
+    *seen = (kelly_rare_seen){ .tried = look->count };
+    for (uint32_t i = 0; i < look->count; i++) {
+        seen->failed += kelly_rare_failed(&look->samples[i]) ? 1u : 0u;
+    }
+    if (seen->failed > 0) {
+        const wide share = (wide)seen->failed / (wide)seen->tried;
+        kelly_rare_estimate of;
+
+        kelly_rare_read(look, &of);
+        seen->probability = of.probability * share;
+        seen->variance = of.cov * of.cov + (1 - share) / (wide)seen->failed;
+    }
+}
+
+/* Share of the failures of a search that such a look sees, and what it is at most by the number of finds that they descend from. */
+static wide share_seen(const kelly_rare *rare, const kelly_rare_hint *hint, unsigned mode, wide *most)
+{
+    const float enough = enough_of(hint);
+    uint32_t failed = 0, seen = 0;
+    wide share;
+
+    for (uint32_t i = 0; i < rare->n; i++) {
+        if (kelly_rare_failed(&rare->samples[i])) {
+            failed++;
+            seen += kelly_rare_resonance(hint, rare->samples[i].x, mode) > enough ? 1u : 0u;
+        }
+    }
+    share = (wide)seen / (wide)failed;
+    *most = share + SURE * (wide)kelly_sqrt32((float)(share * (1 - share) / (wide)rare->finds)) + W(3.0) / (wide)rare->finds;
+    return share;
+}
+
+void kelly_rare_compare(kelly_rare *rare, const kelly_rare_hint *hint, unsigned mode, const kelly_rare_seen *seen)
+{
+    kelly_rare_estimate answer;
+    wide share, most, least;
+
+    if (rare->state != KELLY_RARE_DONE || rare->level == 0 || seen->failed == 0) {
+        return;
+    }
+    kelly_rare_read(rare, &answer);
+    share = share_seen(rare, hint, mode, &most);
+    least = seen->probability * kelly_exp(-SURE * (wide)kelly_sqrt32((float)kelly_log(1 + seen->variance + answer.cov * answer.cov)));
+    if (least > answer.probability * most && seen->probability > answer.probability * (share + MATTERS)) {
+        rare->state = KELLY_RARE_ELSEWHERE;
+    }
+}
