@@ -153,8 +153,10 @@ ifneq ($(tables),firmware/tables)
 $(library) $(host_objects): | $(tables)/$(name).c      # a bad well file is told before anything is compiled
 endif
 
-unit_objects := $(patsubst tests/%.c,$(dir)/tests/%.o,tests/main.c tests/check.c tests/fixture.c tests/textbook.c $(wildcard tests/test_*.c))
+unit_objects := $(patsubst tests/%.c,$(dir)/tests/%.o,tests/main.c tests/check.c tests/fixture.c tests/textbook.c tests/rare_events.c \
+                $(wildcard tests/test_*.c))
 engine_objects := $(dir)/host/engine.o $(dir)/host/files.o
+fault_files := host_faults host_faults_state host_faults_table
 
 unit: $(dir)/unit $(dir)/lanes $(dir)/accuracy $(dir)/drive-numbers $(dir)/faults $(dir)/faults-lanes $(dir)/random-stream
 
@@ -164,9 +166,9 @@ $(dir)/lanes: $(dir)/tests/host_lanes.o $(dir)/tests/check.o $(engine_objects) $
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -o $@
 $(dir)/drive-numbers: $(dir)/tests/host_drive.o $(library) $(table_objects)
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -o $@
-$(dir)/faults: $(dir)/tests/host_faults.o $(dir)/tests/check.o $(engine_objects) $(library) $(table_objects)
+$(dir)/faults: $(fault_files:%=$(dir)/tests/%.o) $(dir)/tests/check.o $(engine_objects) $(library) $(table_objects)
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -o $@
-$(dir)/faults-lanes: $(dir)/$(firstword $(engines))/tests/host_faults.o $(dir)/tests/check.o $(engine_objects) $(library) $(table_objects)
+$(dir)/faults-lanes: $(fault_files:%=$(dir)/$(firstword $(engines))/tests/%.o) $(dir)/tests/check.o $(engine_objects) $(library) $(table_objects)
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -o $@
 $(dir)/accuracy: $(dir)/tests/host_accuracy.o $(dir)/detmath.o $(dir)/random.o
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -lm -o $@

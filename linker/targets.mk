@@ -106,7 +106,7 @@ device: $(OUT)/device.elf $(OUT)/device.bin $(OUT)/device.hex
 
 # All tests in one image, and, for parts too small for that, one image a test: $(OUT)/test_NAME.elf.
 TARGET_TESTS := $(sort $(wildcard tests/test_*.c))
-TARGET_TEST_HELP := tests/check.c tests/on_target.c $(wildcard tests/fixture.c tests/textbook.c)
+TARGET_TEST_HELP := tests/check.c tests/on_target.c $(wildcard tests/fixture.c tests/textbook.c tests/rare_events.c)
 $(eval $(call image,tests,tests/main.c $(TARGET_TEST_HELP) $(TARGET_TESTS)))
 tests-image: $(OUT)/tests.elf
 $(OUT)/one/%.o: tests/one_test.c $(OUT)/flags

@@ -18,7 +18,7 @@ void check_put(char c)
 #define EACH(test) \
     test(detmath) test(random) test(seal) test(string_model) test(bitrock) test(severity) test(realisation) test(integrator) test(axial) \
     test(plant) test(drive) test(energy) test(trajectories) test(ensemble) test(tally) test(envelope) test(sequence) test(sobol) test(reweight) \
-    test(rare) test(bits) test(frame) test(messages) test(wits)
+    test(rare_guide) test(rare_walk) test(rare) test(bits) test(frame) test(messages) test(wits)
 
 #ifdef TEST_ONLY
 #define CHOSEN(test) test(TEST_ONLY)

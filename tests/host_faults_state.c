@@ -1,0 +1,204 @@
+/* host_faults_state.c - bits and bad numbers in the state of a block under way, and bad numbers in what a caller gives. */
+#include <stdio.h>
+#include <string.h>
+
+#include "host_faults.h"
+
+/* ---- bad numbers -------------------------------------------------------------------------------------------------- */
+
+static real quotient(real a, volatile real b)
+{
+    return a / b;
+}
+
+#define BAD 9u
+static void bad_numbers(real bad[BAD], real of)
+{
+    const real list[BAD] = { quotient(0, 0), quotient(R(1.0), 0), quotient(R(-1.0), 0), R(1e38), R(-1e38),
+                             sizeof(real) > 4 ? (real)4.9e-324 : (real)1e-45, 0, -of, R(-1.0) };
+
+    memcpy(bad, list, sizeof(list));
+}
+
+/* ---- the state ---------------------------------------------------------------------------------------------------- */
+
+static void stiff_places(void)
+{
+    kelly_block *const b = &work.block;
+
+    for (unsigned v = 0; v < b->vectors; v++) {
+        add_vectors(&b->lane[v].wave, SPAN(kelly_lane, wave, highest));
+        for (unsigned i = 0; i < b->modes; i++) {
+            add_vectors(b->full ? &b->mode[v][i].xi : &b->slow[v][i].v, 2);
+        }
+    }
+    add_site(&b->tick, sizeof(b->tick));
+}
+
+static void soft_places(void)
+{
+    kelly_driven *const d = &work.driven;
+
+    for (unsigned v = 0; v < d->vectors; v++) {
+        kelly_driven_lane *const on = &d->lane[v];
+
+        add_vectors(&on->eta, SPAN(kelly_driven_lane, eta, cosine));
+        add_vectors(&on->speed, SPAN(kelly_driven_lane, speed, highest));
+        add_vectors(on->y.at, 4);
+        add_vectors(on->p.at, 4);
+        for (unsigned i = 0; i < d->modes; i++) {
+            add_vectors(&d->mode[v][i].v, 2);
+        }
+    }
+    for (unsigned l = 0; l < lanes; l++) {
+        add_site(&d->phase[l], sizeof(d->phase[l]));
+    }
+    add_site(&d->tick, sizeof(d->tick));
+}
+
+/* The state of the string or drive, and the block's own books. */
+static void add_places(int soft)
+{
+    if (soft) {
+        soft_places();
+    } else {
+        stiff_places();
+    }
+    for (unsigned l = 0; l < lanes; l++) {
+        add_site(&results[l].mean, sizeof(real));
+    }
+    add_site(&work.tick, sizeof(work.tick));
+    add_site(&work.seal, sizeof(work.seal));
+}
+
+void flips_in_state(tally *t, int soft, uint32_t flips)
+{
+    flips_in_block(t, add_places, soft, flips);
+}
+
+static void put_number(void *of)
+{
+    const uint32_t *const what = of;
+    real bad[BAD], old;
+
+    memcpy(&old, sites[what[0]].at, sizeof(old));
+    bad_numbers(bad, old);
+    memcpy(sites[what[0]].at, &bad[what[1]], sizeof(real));
+}
+
+/* Every state of a block under way set to every bad number, at two instants. */
+void numbers_in_state(tally *far, tally *small, int soft, unsigned every)
+{
+    static const uint32_t when[] = { 1000, TICKS - 3000 };
+
+    site_count = 0;
+    add_places(soft);
+    for (uint32_t s = 0; s < site_count; s += every) {
+        for (uint32_t k = 0; sites[s].bytes == sizeof(real) && k < 2 * BAD; k++) {
+            run = base;
+            site_count = 0;
+            add_places(soft);
+            run_struck(&kelly_string, when[k / BAD], put_number, (uint32_t[2]){ s, k % BAD });
+            add_outcome(k % BAD < 5 ? far : small);
+        }
+    }
+}
+
+/* ---- inputs ------------------------------------------------------------------------------------------------------- */
+
+static int finite(real x)
+{
+    return x - x == 0;
+}
+
+/* Whether a result is one that may be counted, or none at all. */
+static int sound(const kelly_result *r)
+{
+    return r->status != KELLY_OK ? !r->stuck && r->ss == 0 :
+           finite(r->lowest) && finite(r->highest) && finite(r->mean) && r->lowest <= r->highest && r->ss >= 0 && finite(r->ss);
+}
+
+/* Every parameter of a draw: refused, or a positive finite number. */
+void numbers_in_draws(int soft)
+{
+    real bad[BAD];
+
+    for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
+        bad_numbers(bad, ((const real *)&clean[0].draw)[k]);
+        for (unsigned b = 0; b < BAD; b++) {
+            kelly_draw draw = clean[0].draw;
+            int holds;
+
+            ((real *)&draw)[k] = bad[b];
+            run = base;
+            kelly_run_draws(&kelly_string, &run, &draw, 1, results, &work);
+            holds = sound(&results[0]) && (results[0].status != KELLY_OK || (bad[b] > 0 && finite(bad[b])));
+            CHECK(holds);
+            if (!holds) {
+                printf("    parameter %u, bad number %u, %s: status %u, ss %g\n", k, b, soft ? "soft" : "stiff", results[0].status, (double)results[0].ss);
+            }
+        }
+    }
+}
+
+/* Every real of a case: refused with a reason, or in its documented range, and then its realisations are sound. */
+void numbers_in_case(void)
+{
+    const struct {
+        size_t at;
+        real lo, hi;             /* lo itself only where it is `closed` */
+        int closed;
+    } field[] = {
+        { offsetof(kelly_case, fc), 0, R(1e30), 0 }, { offsetof(kelly_case, mu), 0, R(1e30), 0 }, { offsetof(kelly_case, a1), 0, R(1e30), 0 },
+        { offsetof(kelly_case, a2), 0, R(1e30), 0 }, { offsetof(kelly_case, w0), 0, R(1e30), 0 }, { offsetof(kelly_case, f0), 0, R(1e30), 1 },
+        { offsetof(kelly_case, limit), 0, R(10.0), 1 }, { offsetof(kelly_case, drive.inertia), R(1.0), R(1e12), 1 },
+        { offsetof(kelly_case, drive.impedance), 0, R(1e12), 0 }, { offsetof(kelly_case, drive.hz), 0, R(1e3), 0 },
+    };
+    real bad[BAD], old;
+
+    for (unsigned f = 0; f < sizeof(field) / sizeof(field[0]); f++) {
+        memcpy(&old, (char *)&base + field[f].at, sizeof(old));
+        bad_numbers(bad, old);
+        for (unsigned b = 0; b < BAD; b++) {
+            const int in_range = (bad[b] > field[f].lo || (field[f].closed && bad[b] == field[f].lo)) && bad[b] <= field[f].hi;
+
+            run = base;
+            memcpy((char *)&run + field[f].at, &bad[b], sizeof(real));
+            if (kelly_case_error(&kelly_string, &run) != 0) {
+                CHECK(!in_range || field[f].at == offsetof(kelly_case, drive.hz) || field[f].at == offsetof(kelly_case, drive.impedance));
+                continue;
+            }
+            CHECK(in_range || run.drive.inertia == 0);
+            kelly_run(&kelly_string, &run, 7, first, lanes, results, &work);
+            for (unsigned l = 0; l < lanes; l++) {
+                CHECK(sound(&results[l]));
+            }
+        }
+    }
+    for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
+        static const float covs[] = { -1e-45f, -0.1f, 0.500001f, 1e38f, -1e38f };
+
+        for (unsigned b = 0; b < sizeof(covs) / sizeof(covs[0]); b++) {
+            run = base;
+            run.cov[k] = covs[b];
+            CHECK(kelly_case_error(&kelly_string, &run) != 0);
+        }
+        run.cov[k] = (float)quotient(0, 0);
+        CHECK(kelly_case_error(&kelly_string, &run) != 0);
+    }
+}
+
+/* Commands to a string that runs: none of these is allowed. */
+void numbers_in_commands(void)
+{
+    static kelly_plant plant;
+    real bad[BAD];
+
+    run = base;
+    EQUAL(kelly_plant_start_commanded(&plant, &kelly_string, &run, &clean[0].draw, clean[0].draw.w0), KELLY_OK);
+    bad_numbers(bad, R(1.0));
+    for (unsigned b = 0; b < BAD; b++) {
+        CHECK(!kelly_plant_allows(&plant, clean[0].draw.w0, bad[b]) || (bad[b] > 0 && bad[b] < R(1e-30)));
+        CHECK(!kelly_plant_allows(&plant, bad[b], clean[0].draw.fc) || KELLY_ABS(bad[b]) <= R(1.0));
+    }
+}
