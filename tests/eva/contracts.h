@@ -4,6 +4,7 @@
 #define KELLY_EVA_CONTRACTS_H
 
 #include "real.h"
+#include "app/scpi.h"
 #include "detmath.h"
 #include "link/crc32c.h"
 #include "link/frame.h"
@@ -23,6 +24,22 @@ float kelly_normal(kelly_rng *rng);
 /*@ requires \valid_read(bytes + (0 .. count - 1));
     assigns \result \from crc, bytes[0 .. count - 1]; */
 uint32_t kelly_crc32c(uint32_t crc, const uint8_t *bytes, size_t count);
+
+/* lines.c: of a text that ends in 0, whose array holds no more behind. */
+/*@ requires \valid_read(line) && \valid(rest);
+    assigns \result, *rest \from *line, *pattern, line, *rest;
+    ensures \result == 0 || \result == 1;
+    ensures \result == 1 ==> \valid_read(*rest);
+    behavior given:
+      assumes \valid_read(*rest);
+      ensures \valid_read(*rest); */
+int scpi_is(const char *line, const char *pattern, const char **rest);
+
+/*@ requires \valid_read(text) && \valid(value);
+    assigns \result, *value \from *text;
+    ensures \result == SCPI_NO_ERROR || \result == SCPI_MISSING || \result == SCPI_BAD_NUMBER;
+    ensures \result == SCPI_NO_ERROR ==> \initialized(value) && \is_finite(*value) && -1000000000 <= *value <= 1000000000; */
+int scpi_number(const char *text, real *value);
 
 /* Proved by WP, with the invariants of its loop. */
 /*@ requires n <= KELLY_FRAME_MAX;
