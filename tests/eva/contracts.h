@@ -15,6 +15,16 @@
     ensures 0x4000000000000000 <= phase <= 0x7c00000000000000 ==> \result >= 0.09; */
 real kelly_sin_turn(uint64_t phase);
 
+/*@ requires \is_finite(x) && x >= 0x1p-126;
+    assigns \result \from x;
+    ensures \is_finite(\result) && -88 <= \result <= 89; */
+float kelly_log32(float x);
+
+/*@ requires \is_finite(x) && x >= 0;
+    assigns \result \from x;
+    ensures \is_finite(\result) && 0 <= \result <= 0x1p64; */
+float kelly_sqrt32(float x);
+
 /*@ requires \valid(rng);
     assigns \result, *rng \from *rng;
     ensures \is_finite(\result) && -200 <= \result <= 200; */
