@@ -15,10 +15,25 @@
     ensures 0x4000000000000000 <= phase <= 0x7c00000000000000 ==> \result >= 0.09; */
 real kelly_sin_turn(uint64_t phase);
 
+/* math.c */
 /*@ requires \is_finite(x) && x >= 0x1p-126;
     assigns \result \from x;
     ensures \is_finite(\result) && -88 <= \result <= 89; */
 float kelly_log32(float x);
+
+/*@ requires \is_finite(x) && x >= 0x1p-1022;
+    assigns \result \from x;
+    ensures \is_finite(\result) && -709 <= \result <= 710; */
+wide kelly_log(wide x);
+
+/* exp.c */
+/*@ requires \is_finite(x);
+    assigns \result \from x;
+    ensures \is_finite(\result) && 0 <= \result <= 1.2e308;
+    ensures x <= 0 ==> \result <= 4;
+    ensures x >= 0 ==> \result >= 0.0625;
+    ensures x <= 77 ==> \result <= 1e45; */
+wide kelly_exp(wide x);
 
 /*@ requires \is_finite(x) && x >= 0;
     assigns \result \from x;
@@ -65,6 +80,14 @@ size_t kelly_cobs(uint8_t *to, const uint8_t *from, size_t n);
     assigns \result \from x;
     ensures \is_finite(\result) && 0 <= \result <= 1e190; */
 static wide root(wide x);
+#endif
+
+#ifdef EVA_FRACTION
+/* Assumed, of interval.c: what front * fraction is, a probability, and front bound it; no more than some sqrt(n). */
+/*@ requires \is_finite(a) && \is_finite(b) && \is_finite(x) && 1 <= a <= 4.3e9 && 1 <= b <= 4.3e9 && 0 <= x <= 1;
+    assigns \result \from a, b, x;
+    ensures \is_finite(\result) && 0 <= \result <= 1e12; */
+static wide fraction(wide a, wide b, wide x);
 #endif
 
 #endif
