@@ -4,6 +4,7 @@
 
 #define TARGETS 3
 #define GRAIN R(0.3)             /* 3 pi / 0.3 = 31 clusters at least, about 60 as neighbours that just do not fit remain apart */
+#define COARSEST R(1e12)         /* with less, all may merge that `most` lets */
 #define KEEP 72u                 /* clusters left by a pass at most: the rest is room for values to come */
 #define LARGEST R(1e14)            /* 2^24 squares of twice as much do not overflow */
 #define COUNT_MAX 16777216u      /* 2^24: every rank is exact in float */
@@ -22,14 +23,14 @@ void kelly_envelope_clear(kelly_envelope *envelope)
 /* Position of each target among the ranks 0..n-1, and the standard error of its rank. */
 typedef struct {
     real rank[TARGETS], s[TARGETS];
-    real most;                   /* values in a cluster, wherever it is: keeps sorted streams within bounds */
+    uint32_t most;               /* values in a cluster, wherever it is: keeps sorted streams within bounds */
 } ruler;
 
 static void measure(const kelly_envelope *envelope, ruler *r)
 {
     const real n = (real)envelope->n;
 
-    r->most = n / R(32.0);
+    r->most = envelope->n / 32u;
     for (unsigned k = 0; k < TARGETS; k++) {
         r->rank[k] = targets[k] * (n - 1);
         r->s[k] = (real)kelly_sqrt32((float)(n * targets[k] * (1 - targets[k])));
@@ -37,9 +38,9 @@ static void measure(const kelly_envelope *envelope, ruler *r)
 }
 
 /* Whether the ranks first .. first + count - 1 may be one cluster. */
-static int may_merge(const ruler *r, real grain, real first, real count)
+static int may_merge(const ruler *r, real grain, real first, uint32_t count)
 {
-    const real last = first + count - 1;
+    const real n = (real)count, last = first + n - 1;
 
     if (count > r->most) {
         return 0;
@@ -48,11 +49,19 @@ static int may_merge(const ruler *r, real grain, real first, real count)
         const real below = first - r->rank[k], above = r->rank[k] - last;
         const real d = below > 0 ? below : above > 0 ? above : 0;
 
-        if (count > grain * (r->s[k] + d * d / r->s[k])) {
+        if (n > grain * (r->s[k] + d * d / r->s[k])) {
             return 0;
         }
     }
     return 1;
+}
+
+/* The mean of two clusters lies between them: rounding carries it no further. */
+static real joint(real low, real high, real share)
+{
+    const real mean = low + (high - low) * share;
+
+    return mean < low ? low : mean > high ? high : mean;
 }
 
 /* One pass from the lowest value up: each cluster takes in its next neighbour where it may. */
@@ -63,8 +72,8 @@ static void merge_neighbours(kelly_envelope *e, const ruler *r)
     for (uint32_t i = 1; i < e->used; i++) {
         const uint32_t count = e->weight[to] + e->weight[i];
 
-        if (may_merge(r, e->grain, (real)first, (real)count)) {
-            e->value[to] += (e->value[i] - e->value[to]) * ((real)e->weight[i] / (real)count);
+        if (may_merge(r, e->grain, (real)first, count)) {
+            e->value[to] = joint(e->value[to], e->value[i], (real)e->weight[i] / (real)count);
             e->weight[to] = count;
         } else {
             first += e->weight[to++];
@@ -83,7 +92,7 @@ static void make_room(kelly_envelope *e)
     measure(e, &r);
     merge_neighbours(e, &r);
     while (e->used > KEEP) {
-        e->grain *= R(1.25);
+        e->grain *= e->grain < COARSEST ? R(1.25) : R(1.0);
         merge_neighbours(e, &r);
     }
 }
@@ -127,8 +136,11 @@ real kelly_envelope_quantile(const kelly_envelope *e, real p)
     for (uint32_t i = 0; i < e->used; i++) {
         const real middle = (real)first + R(0.5) * (real)(e->weight[i] - 1);
         if (rank <= middle) {
-            return i == 0 ? e->value[0]
-                          : e->value[i - 1] + (e->value[i] - e->value[i - 1]) * ((rank - last_middle) / (middle - last_middle));
+            if (i == 0) {
+                return e->value[0];
+            }
+            const real apart = R(0.5) * (real)(e->weight[i - 1] + e->weight[i]);     /* the middles */
+            return e->value[i - 1] + (e->value[i] - e->value[i - 1]) * ((rank - last_middle) / apart);
         }
         last_middle = middle;
         first += e->weight[i];

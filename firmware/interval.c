@@ -44,13 +44,12 @@ static wide deviance(wide x, wide m)
     return sum;
 }
 
-/* Binomial probability of k of n, 0 < k < n, 0 < p < 1. */
-static wide binomial(wide k, wide n, wide p)
+/* Logarithm of the binomial probability of k of n = k + rest, k and rest above 0, 0 < p < 1. */
+static wide log_binomial(wide k, wide rest, wide n, wide p)
 {
-    const wide rest = n - k;
     const wide log_root = W(0.5) * kelly_log(n / (k * rest)) - HALF_LOG_2PI;
 
-    return kelly_exp(log_root + (kelly_stirling(n) - kelly_stirling(k) - kelly_stirling(rest)) - deviance(k, n * p) - deviance(rest, n * (1 - p)));
+    return log_root + (kelly_stirling(n) - kelly_stirling(k) - kelly_stirling(rest)) - deviance(k, n * p) - deviance(rest, n * (1 - p));
 }
 
 static wide away_from_zero(wide x)
@@ -85,9 +84,11 @@ static wide fraction(wide a, wide b, wide x)
 /* P(X >= k) for 1 <= k <= n, 0 < p < 1. */
 static wide at_least(uint32_t k, uint32_t n, wide p)
 {
-    const wide a = (wide)k, b = (wide)(n - k + 1), q = 1 - p;
+    const uint32_t rest = n - k;
+    const wide a = (wide)k, b = (wide)rest + 1, q = 1 - p;
     /* x^a (1-x)^b / (a B(a, b)) = q binomial(k; n, p); at k = n that is q p^n */
-    const wide front = k == n ? q * kelly_exp((wide)n * kelly_log(p)) : q * binomial(a, (wide)n, p);
+    const wide log_p = rest == 0 ? (wide)n * kelly_log(p) : log_binomial(a, (wide)rest, (wide)n, p);
+    const wide front = q * kelly_exp(log_p < 0 ? log_p : 0);
 
     if (p < (a + 1) / (a + b + 2)) {
         return front * fraction(a, b, p);
@@ -105,6 +106,9 @@ wide kelly_binomial_lo(uint32_t k, uint32_t n, wide tail)
     for (int i = 0; i < HALVINGS; i++) {
         const wide p = W(0.5) * (lo + hi);
 
+        if (p <= lo || p >= hi) {    /* no number lies between */
+            break;
+        }
         if (at_least(k, n, p) < tail) {
             lo = p;
         } else {

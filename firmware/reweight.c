@@ -2,6 +2,9 @@
 
 #include "detmath.h"
 
+#define LEAST W(1e-16)           /* shapes are 4 and more: a difference that is above 0 is larger */
+#define NOTHING W(1e-30)         /* of sums in units of the largest weight */
+
 /* ln E(w^2) of one parameter: with shapes f, g, rates in units of 1/mean_f (f and g m), s = 2g - f, t = 2 gm - f:
  *     ln Gamma(f) + ln Gamma(s) - 2 ln Gamma(g) - f ln f + 2 g ln(gm) - s ln t
  * Stirling's formula and s ln s - s ln t together: no term is larger than the shapes times what differs.
@@ -10,7 +13,7 @@ static int log_square(wide f, wide g, wide m, wide *sum)
 {
     const wide gm = g / m, s = 2 * g - f, t = 2 * gm - f;
 
-    if (!(s > 0) || !(t > 0)) {
+    if (!(s > LEAST) || !(t > LEAST)) {
         return 0;
     }
     *sum += s * kelly_log(s / t) - 2 * g * kelly_log(g / gm) - W(0.5) * kelly_log(f * s / (g * g)) + (kelly_stirling(f) + kelly_stirling(s) - 2 * kelly_stirling(g));
@@ -41,7 +44,7 @@ void kelly_reweight_start(kelly_reweight *sums, const kelly_laws *from, const ke
         sums->rate[k] = f - g / m;
         finite = finite && log_square(f, g, m, &log_sum);
     }
-    sums->square = finite && log_sum < KELLY_EXP_END ? kelly_exp(log_sum) : 0;
+    sums->square = finite && log_sum < KELLY_EXP_END ? kelly_exp(log_sum > 0 ? log_sum : 0) : 0;   /* 1 and more */
 }
 
 /* ln w but for a constant, which the estimate does not need. */
@@ -59,10 +62,18 @@ static wide log_weight(const kelly_reweight *sums, const wide y[KELLY_PARAMETERS
     return sum;
 }
 
+/* A weight in units of the largest, above which it is not. */
+static wide relative(wide log_w, wide top)
+{
+    const wide below = log_w - top;
+
+    return kelly_exp(below < 0 ? below : 0);
+}
+
 /* A new largest weight: all sums in units of it. */
 static void rescale(kelly_reweight *sums, wide top)
 {
-    const wide by = sums->n > 0 ? kelly_exp(sums->top - top) : 0;
+    const wide by = sums->n > 0 ? relative(sums->top, top) : 0;
 
     sums->top = top;
     sums->w *= by;
@@ -79,7 +90,7 @@ void kelly_reweight_add(kelly_reweight *sums, const wide y[KELLY_PARAMETERS], in
     if (sums->n == 0 || log_w > sums->top) {
         rescale(sums, log_w);
     }
-    const wide w = kelly_exp(log_w - sums->top);
+    const wide w = relative(log_w, sums->top);
     sums->n++;
     sums->w += w;
     sums->ww += w * w;
@@ -109,9 +120,12 @@ static uint32_t above(wide x)
 static wide effective(const kelly_reweight *s, wide p, wide ess)
 {
     const wide squares = s->stuck2 * (1 - 2 * p) + s->ww * p * p;   /* sum w^2 (z - p)^2 */
-    const wide matched = squares > 0 ? p * (1 - p) * s->w * s->w / squares : ess;
 
-    return p > 0 && p < 1 && matched < ess ? matched : ess;
+    if (!(p > 0) || !(p < 1) || !(squares > NOTHING)) {
+        return ess;
+    }
+    const wide matched = p * (1 - p) * s->w * s->w / squares;
+    return matched < ess ? matched : ess;
 }
 
 void kelly_reweight_read(const kelly_reweight *s, kelly_reweighted *r)
@@ -119,12 +133,12 @@ void kelly_reweight_read(const kelly_reweight *s, kelly_reweighted *r)
     const wide counted = s->w - s->refused;
 
     *r = (kelly_reweighted){ .hi = 1 };
-    if (s->n == 0 || s->refused_n == s->n || !(counted > 0)) {
+    if (s->n == 0 || s->refused_n == s->n || !(counted > NOTHING)) {
         return;
     }
     r->probability = s->stuck / counted < 1 ? s->stuck / counted : 1;
     r->ess = s->w * s->w / s->ww;
-    r->ess_predicted = s->square > 0 ? (wide)s->n / s->square : 0;
+    r->ess_predicted = s->square >= 1 ? (wide)s->n / s->square : 0;
     r->share = 1 / s->w;
     const wide p = s->stuck / s->w < 1 ? s->stuck / s->w : 1, high = (s->stuck + s->refused) / s->w;
     const uint32_t n = below(effective(s, p, r->ess));

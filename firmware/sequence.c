@@ -4,17 +4,17 @@
 
 #define HALVINGS 28              /* of 0..k/n: below the last place of a float */
 
-/* x ln(x / m) + m - x >= 0 for x >= 0, m > 0: see interval.c; here in float, whatever the build. */
-static float deviance(float x, float m)
+/* x ln(x / m) + m - x >= 0 for x = k, m > 0: see interval.c; here in float, whatever the build. */
+static float deviance(uint32_t k, float m)
 {
-    const float t = (x - m) / (x + m), t2 = t * t;
-
-    if (x == 0.0f) {
+    if (k == 0) {
         return m;
     }
+    const float x = (float)k, t = (x - m) / (x + m);
     if (t > 0.2f || t < -0.2f) {
         return x * kelly_log32(x / m) + m - x;
     }
+    const float t2 = t * t;
     return (x - m) * t + 2.0f * x * t * t2 * (0x1.555556p-2f + t2 * (0.2f + t2 * (0x1.24924ap-3f + t2 * 0x1.c71c72p-4f)));
 }
 
@@ -34,17 +34,19 @@ static float bound(uint32_t k, uint32_t n, float alpha)
 /* n KL(k/n, p) falls from infinity at p = 0 to 0 at p = k/n. */
 float kelly_sequence_lo(uint32_t k, uint32_t n, float alpha)
 {
-    float lo = 0.0f, hi;
-
     if (k == 0) {
         return 0.0f;
     }
-    hi = (float)k / (float)n;
-    const float most = bound(k, n, alpha);
+    const float share = (float)k / (float)n, most = bound(k, n, alpha);
+    float lo = 0.0f, hi = share < 1.0f ? share : 1.0f;
+
     for (int i = 0; i < HALVINGS; i++) {
         const float p = 0.5f * (lo + hi);
 
-        if (deviance((float)k, (float)n * p) + deviance((float)(n - k), (float)n * (1.0f - p)) < most) {
+        if (p <= lo || p >= hi) {                  /* no float lies between */
+            break;
+        }
+        if (deviance(k, (float)n * p) + deviance(n - k, (float)n * (1.0f - p)) < most) {
             hi = p;
         } else {
             lo = p;

@@ -36,6 +36,8 @@ static void has_exact_bounds(void)
     }
     CHECK(kelly_sequence_lo(0, 0, 0.05f) == 0.0f && kelly_sequence_hi(0, 0, 0.05f) == 1.0f);
     CHECK(kelly_sequence_lo(0, 50, 0.05f) == 0.0f && kelly_sequence_hi(50, 50, 0.05f) == 1.0f);
+    CHECK(kelly_sequence_lo(999999999, 1000000000, 0.05f) < 1.0f);       /* the ratio rounds to 1: no infinity may come of it */
+    CHECK(kelly_sequence_hi(1, 1000000000, 0.05f) > 0.0f);
     CLOSE(kelly_sequence_lo(7, 50, 0.05f), 1.0f - kelly_sequence_hi(43, 50, 0.05f), 1e-7);
 }
 

@@ -72,8 +72,8 @@ static int take_line(kelly_bench *bench)
     int sets = empty;
 
     bench->line[bench->length] = '\0';
-    for (const char *c = bench->line; *c != '\0'; c++) {
-        sets |= *c == '=';
+    for (unsigned k = 0; k < bench->length; k++) {
+        sets |= bench->line[k] == '=';
     }
     bench->length = 0;
     bench->dirty = 0;

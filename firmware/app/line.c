@@ -24,20 +24,31 @@ int line_ask(char line[LINE_MAX])
     return -1;
 }
 
-/* The text after `key=` where a word of the line starts so, 0 where none does. */
+/* Whether a word of the line begins here. */
+static int begins(const char *line, const char *here)
+{
+    return *here != ' ' && (here == line || here[-1] == ' ');
+}
+
+/* The text after `key=` where the word starts so, 0 where it does not. */
+static const char *after(const char *word, const char *key)
+{
+    for (; *key != '\0'; key++, word++) {
+        if (*word != *key) {
+            return 0;
+        }
+    }
+    return *word == '=' ? word + 1 : 0;
+}
+
+/* The first number of this key, 0 where no word has the key. */
 static const char *value_of(const char *line, const char *key)
 {
     for (const char *word = line; *word != '\0'; word++) {
-        int i = 0;
+        const char *const value = begins(line, word) ? after(word, key) : 0;
 
-        if (word != line && word[-1] != ' ') {
-            continue;
-        }
-        while (key[i] != '\0' && word[i] == key[i]) {
-            i++;
-        }
-        if (key[i] == '\0' && word[i] == '=') {
-            return word + i + 1;
+        if (value != 0) {
+            return value;
         }
     }
     return 0;
@@ -57,43 +68,37 @@ uint64_t line_number(const char line[LINE_MAX], const char *key, uint64_t otherw
     return value;
 }
 
-/* The length of a word that is `key=digits`, 0 where it is not. */
+/* Whether a word is `key=digits`, a number below 2^64. */
 static int known_word(const char *word, const char *key)
 {
+    const char *const first = after(word, key), *at = first;
     uint64_t value = 0;
-    int i = 0, digits = 0;
 
-    while (key[i] != '\0' && word[i] == key[i]) {
-        i++;
-    }
-    if (key[i] != '\0' || word[i] != '=') {
+    if (first == 0) {
         return 0;
     }
-    for (i++; word[i] >= '0' && word[i] <= '9'; i++, digits++) {
-        const uint64_t digit = (uint64_t)(word[i] - '0');
+    for (; *at >= '0' && *at <= '9'; at++) {
+        const uint64_t digit = (uint64_t)(*at - '0');
 
-        if (value > (UINT64_MAX - digit) / 10u) {   /* 2^64 or more */
+        if (value > (UINT64_MAX - digit) / 10u) {
             return 0;
         }
         value = 10u * value + digit;
     }
-    return digits > 0 && (word[i] == ' ' || word[i] == '\0') ? i : 0;
+    return at != first && (*at == ' ' || *at == '\0');
 }
 
 const char *line_stranger(const char line[LINE_MAX], const char *const keys[], int count)
 {
-    const char *word = line;
+    for (const char *word = line; *word != '\0'; word++) {
+        int known = !begins(line, word);
 
-    while (*word != '\0') {
-        int length = *word == ' ';
-
-        for (int k = 0; k < count && length == 0; k++) {
-            length = known_word(word, keys[k]);
+        for (int k = 0; k < count && !known; k++) {
+            known = known_word(word, keys[k]);
         }
-        if (length == 0) {
+        if (!known) {
             return word;
         }
-        word += length;
     }
     return 0;
 }

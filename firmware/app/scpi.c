@@ -10,7 +10,7 @@ static const char *match(const char *text, const char *pattern)
 {
     while (*pattern != '\0') {
         if (is_small(*pattern) && capital(*text) != capital(*pattern)) {
-            if (!is_capital(pattern[-1]) || !is_small(*pattern)) {
+            if (!is_capital(pattern[-1])) {
                 return 0;
             }
             while (is_small(*pattern)) {

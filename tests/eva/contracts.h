@@ -4,6 +4,7 @@
 #define KELLY_EVA_CONTRACTS_H
 
 #include "real.h"
+#include "app/scpi.h"
 #include "detmath.h"
 #include "link/crc32c.h"
 #include "link/frame.h"
@@ -14,6 +15,31 @@
     ensures 0x4000000000000000 <= phase <= 0x7c00000000000000 ==> \result >= 0.09; */
 real kelly_sin_turn(uint64_t phase);
 
+/* math.c */
+/*@ requires \is_finite(x) && x >= 0x1p-126;
+    assigns \result \from x;
+    ensures \is_finite(\result) && -88 <= \result <= 89; */
+float kelly_log32(float x);
+
+/*@ requires \is_finite(x) && x >= 0x1p-1022;
+    assigns \result \from x;
+    ensures \is_finite(\result) && -709 <= \result <= 710; */
+wide kelly_log(wide x);
+
+/* exp.c */
+/*@ requires \is_finite(x);
+    assigns \result \from x;
+    ensures \is_finite(\result) && 0 <= \result <= 1.2e308;
+    ensures x <= 0 ==> \result <= 4;
+    ensures x >= 0 ==> \result >= 0.0625;
+    ensures x <= 77 ==> \result <= 1e45; */
+wide kelly_exp(wide x);
+
+/*@ requires \is_finite(x) && x >= 0;
+    assigns \result \from x;
+    ensures \is_finite(\result) && 0 <= \result <= 0x1p64; */
+float kelly_sqrt32(float x);
+
 /*@ requires \valid(rng);
     assigns \result, *rng \from *rng;
     ensures \is_finite(\result) && -200 <= \result <= 200; */
@@ -23,6 +49,22 @@ float kelly_normal(kelly_rng *rng);
 /*@ requires \valid_read(bytes + (0 .. count - 1));
     assigns \result \from crc, bytes[0 .. count - 1]; */
 uint32_t kelly_crc32c(uint32_t crc, const uint8_t *bytes, size_t count);
+
+/* lines.c: of a text that ends in 0, whose array holds no more behind. */
+/*@ requires \valid_read(line) && \valid(rest);
+    assigns \result, *rest \from *line, *pattern, line, *rest;
+    ensures \result == 0 || \result == 1;
+    ensures \result == 1 ==> \valid_read(*rest);
+    behavior given:
+      assumes \valid_read(*rest);
+      ensures \valid_read(*rest); */
+int scpi_is(const char *line, const char *pattern, const char **rest);
+
+/*@ requires \valid_read(text) && \valid(value);
+    assigns \result, *value \from *text;
+    ensures \result == SCPI_NO_ERROR || \result == SCPI_MISSING || \result == SCPI_BAD_NUMBER;
+    ensures \result == SCPI_NO_ERROR ==> \initialized(value) && \is_finite(*value) && -1000000000 <= *value <= 1000000000; */
+int scpi_number(const char *text, real *value);
 
 /* Proved by WP, with the invariants of its loop. */
 /*@ requires n <= KELLY_FRAME_MAX;
@@ -38,6 +80,14 @@ size_t kelly_cobs(uint8_t *to, const uint8_t *from, size_t n);
     assigns \result \from x;
     ensures \is_finite(\result) && 0 <= \result <= 1e190; */
 static wide root(wide x);
+#endif
+
+#ifdef EVA_FRACTION
+/* Assumed, of interval.c: what front * fraction is, a probability, and front bound it; no more than some sqrt(n). */
+/*@ requires \is_finite(a) && \is_finite(b) && \is_finite(x) && 1 <= a <= 4.3e9 && 1 <= b <= 4.3e9 && 0 <= x <= 1;
+    assigns \result \from a, b, x;
+    ensures \is_finite(\result) && 0 <= \result <= 1e12; */
+static wide fraction(wide a, wide b, wide x);
 #endif
 
 #endif

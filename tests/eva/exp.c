@@ -6,18 +6,28 @@ int main(void)
     const double log2 = 0.6931471805599453;
     double y = kelly_exp(Frama_C_double_interval(-ANY_DOUBLE, -708));
 
-    //@ assert -1.2e308 <= y <= 1.2e308;
-    //@ loop unroll 130;
-    for (int k = -1024; k < 992; k += 16) {
-        y = kelly_exp(Frama_C_double_interval(k * log2, (k + 16) * log2));
-        //@ assert -1.2e308 <= y <= 1.2e308;
+    //@ assert 0 <= y <= 4;
+    //@ loop unroll 2100;
+    for (int k = -2043; k < 0; k++) {
+        y = kelly_exp(Frama_C_double_interval(k * (log2 / 2), (k + 1) * (log2 / 2)));
+        //@ assert 0 <= y <= 4;
+    }
+    //@ loop unroll 230;
+    for (int k = 0; k < 223; k++) {
+        y = kelly_exp(Frama_C_double_interval(k * (log2 / 2), (k + 1) * (log2 / 2)));
+        //@ assert 0.0625 <= y <= 1e45;
+    }
+    //@ loop unroll 2000;
+    for (int k = 223; k < 2000; k++) {
+        y = kelly_exp(Frama_C_double_interval(k * (log2 / 2), (k + 1) * (log2 / 2)));
+        //@ assert 0.0625 <= y <= 1.2e308;
     }
     //@ loop unroll 130;
-    for (int k = 3968; k < 4088; k++) {
+    for (int k = 4000; k < 4088; k++) {
         y = kelly_exp(Frama_C_double_interval(k * (log2 / 4), (k + 1) * (log2 / 4)));
-        //@ assert -1.2e308 <= y <= 1.2e308;
+        //@ assert 0.0625 <= y <= 1.2e308;
     }
     y = kelly_exp(Frama_C_double_interval(708, ANY_DOUBLE));
-    //@ assert -1.2e308 <= y <= 1.2e308;
+    //@ assert 0.0625 <= y <= 1.2e308;
     return 0;
 }
