@@ -135,6 +135,7 @@ static void open_journal(map_run *m)
     const char *const outputs[3] = { m->opts.csv, m->opts.json, m->npy };
     const char *const beside = first_output(&m->opts, outputs, 3, "--csv, --json or --npy");
 
+    check_outputs(outputs, 3);
     for (unsigned i = 0; i < 3; i++) {
         if (outputs[i]) {
             check_output(outputs[i]);

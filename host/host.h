@@ -143,6 +143,11 @@ int open_locked(const char *path);
 /* Whether it names a file that will be renamed into its place, or 0: stdout, devices, no path. */
 int is_plain_file(const char *path);
 
+/* Before anything runs: dies with exit 2 where two of the outputs of a command (0: not asked for) are one file, or one is what is kept beside
+ * another while it is made; where an output is a file that the command reads. */
+void check_outputs(const char *const outputs[], unsigned count);
+void check_input(const char *input, const char *const outputs[], unsigned count);
+
 /* Header of a NPY 1.0 file, what numpy.load reads: type "<f8" or a list of fields as Python writes it, and the shape. Raw values in
  * C order follow; `<` in the type stands for this machine's byte order. */
 void npy_header(FILE *to, const char *type, unsigned dimensions, const uint64_t *shape);
@@ -287,8 +292,8 @@ typedef struct {
 extern const option_help envelope_options[];
 int envelope_option(void *request, const char *name, const char *value);           /* a more_options */
 
-/* Take the memory, or die with exit 2 where it does not fit; then run and write. Nothing where nothing was asked for. The journal is that of
- * convergence_run, OUTPUT.envelope.journal. */
+/* Take the memory and open the files; dies with exit 2 where it does not fit, with exit 1 where they cannot be written. Then run and write. Nothing
+ * where nothing was asked for. The journal is that of convergence_run, OUTPUT.envelope.journal. */
 void envelope_reserve(envelope_request *ask, const options *opts);
 void envelope_run(envelope_request *ask, const options *opts, const char *beside, struct journal *log);
 

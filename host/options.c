@@ -343,9 +343,6 @@ void options_parse(options *out, int argc, char **argv, unsigned takes, const ch
     if ((uint64_t)out->first + out->samples > (uint64_t)UINT32_MAX + 1) {
         die(EXIT_USAGE, "--first %u --samples %u: indices end at 4294967295", out->first, out->samples);
     }
-    if (out->csv && out->json && strcmp(out->csv, out->json) == 0) {
-        die(EXIT_USAGE, "--csv %s --json %s: one place for two results; give each its own", out->csv, out->json);
-    }
     error = kelly_case_error(&kelly_string, &out->run);
     if (error) {
         die(EXIT_USAGE, "%s: %s", command, error);
