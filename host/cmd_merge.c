@@ -271,6 +271,8 @@ static part *load_all(char **names, unsigned count, const options *opts)
     for (unsigned i = 0; i < count; i++) {
         load(&parts[i], names[i]);
         compare(&parts[i], &parts[0]);
+        check_input(names[i], (const char *const[]){ opts->csv, opts->json }, 2);
+        check_input(parts[i].is.of.path, (const char *const[]){ opts->csv, opts->json }, 2);
         if (opts->csv && !parts[i].csv) {
             die(EXIT_USAGE, "%s: a report without its lines, and --csv wants them; give the CSV", parts[i].given);
         }
@@ -293,9 +295,7 @@ int command_merge(int argc, char **argv)
     if (count == 0) {
         die(EXIT_USAGE, "merge: nothing to merge; give the parts, e.g. kelly merge a.csv b.csv --csv all.csv --json all.json");
     }
-    if (opts.csv && opts.json && strcmp(opts.csv, opts.json) == 0) {
-        die(EXIT_USAGE, "--csv %s --json %s: one place for two results; give each its own", opts.csv, opts.json);
-    }
+    check_outputs((const char *const[]){ opts.csv, opts.json }, 2);
     parts = load_all(sorted, count, &opts);
     opts.run = parts[0].is.of.run;
     opts.seed = parts[0].is.of.seed;

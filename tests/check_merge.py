@@ -147,6 +147,12 @@ def check_misfits(folder):
     for args in ("merge", "merge --json x.json", "merge a.txt", "merge .csv", "merge a.csv --csv", "merge a.json --csv x.csv", "merge a.csv --seed 1",
                  "merge a.csv --csv x --json x", "merge a.csv --threads 2"):
         refused(args, folder)
+    for out in ("--csv a.csv --json a.json", "--csv x.csv --json a.json", "--csv ./a.csv", "--json a.csv", "--json a.json"):
+        before = read(folder, "a.csv"), read(folder, "a.json")
+        refused("merge a.csv " + out, folder, "is read here")
+        claim((read(folder, "a.csv"), read(folder, "a.json")) == before, f"merge a.csv {out}: the part stays as it is")
+    refused("merge a.json --json a.json", folder, "is read here")
+    refused("merge a.csv --csv x --json x.part", folder, "give each its own")
     refused("merge a.csv --csv nowhere/x.csv", folder, "cannot write", status=1)
 
 

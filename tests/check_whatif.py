@@ -151,6 +151,10 @@ def check_laws_must_be_known(folder, path):
     refused(f"whatif --from {fixed} --rpm 110", "was not random")
     refused(f"whatif --from {fixed} --cov 0.2", "was not random")
     claim(whatif(fixed, "--cov mu=0.18")["ess"] > 100, "what was random can be changed")
+    before = [open(fixed[:-4] + end, "rb").read() for end in (".csv", ".json")]
+    for out in (fixed, fixed[:-4] + ".json", os.path.join(folder, ".", "fixed.csv")):
+        refused(f"whatif --from {fixed} --cov mu=0.18 --json {out}", "is read here")
+    claim([open(fixed[:-4] + end, "rb").read() for end in (".csv", ".json")] == before, "the run stays as it is")
     text = open(path[:-4] + ".json", encoding="ascii").read()
     other = os.path.join(folder, "other.json")
     for old, new, word in (('"mu": 0.00400000019', '"mu": 0.0041', "line 2: parameter 2"), ('"seed": 1,', '"seed": 2,', "line 2: parameter 1"),
