@@ -169,6 +169,10 @@ static void open_run(stored_run *run, found *f)
     if (f->part) {
         check_crc(f, text);
     }
+    if (f->seen[STOPPED]) {
+        die(EXIT_USAGE, "%s: a run that stopped itself (--until-...): no part of one with a given number, and intervals are of such; run it with --samples alone",
+            f->path);
+    }
     *run = (stored_run){ .path = strdup(f->path) };
     run->run.w0 = (real)(number_in(f, RPM_, 1e-3, 1e4) * RPM);
     run->run.fc = (real)(number_in(f, WOB, 1e-3, 1e6) * 1000.0);
@@ -239,9 +243,6 @@ void stored_open_part(stored_part *part, const char *path)
         if (!f.seen[k] || f.windows != 2) {
             die(EXIT_USAGE, "%s: no \"%s\"; give the JSON that this version of montecarlo wrote", path, f.seen[k] ? "case.window_s" : keys[k]);
         }
-    }
-    if (f.seen[STOPPED]) {
-        die(EXIT_USAGE, "%s: a run that stopped itself (--until-...) is no part of one with a given number; run it with --samples alone", path);
     }
     open_case(&part->of.run, &f);
     part->tally = (kelly_tally){ .samples = part->of.samples, .stuck = part->of.stuck, .liftoff = count_in(&f, LIFTOFF, part->of.samples), .digest = crc_in(&f, DIGEST) };
