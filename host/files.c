@@ -172,7 +172,8 @@ static char *place_of(const char *path)
 /* Whether `path` is `output`, or what is written beside it while the run goes on. */
 static int is_of(const char *path, const char *output)
 {
-    static const char *const beside[] = { "", ".part", ".journal", ".convergence.journal", ".envelope.journal" };
+    static const char *const beside[] = { "", ".part", ".journal", ".convergence.journal", ".envelope.journal", ".journal.old", ".convergence.journal.old",
+                                         ".envelope.journal.old" };
     const size_t n = strlen(output);
 
     for (unsigned i = 0; i < sizeof(beside) / sizeof(beside[0]); i++) {

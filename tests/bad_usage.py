@@ -38,7 +38,7 @@ USAGE = [
     *(f"{SIM} --sample {value}" for value in ("-1", "abc", "1.5", "4294967296")),
     f"{MC} --csv - --json -", f"{MC} --csv same --json same",   # one would be lost in the other
     f"{MC} --csv a.csv --json ./a.csv", *(f"{MC} {more} --csv a --json a.{end}" for more in ("--convergence", "--envelope e.npy") for end in
-                                          ("part", "journal", "convergence.journal", "envelope.journal")),
+                                          ("part", "journal", "convergence.journal", "envelope.journal", "journal.old")),
     f"{MC} --csv a.part --json a", f"{MC} --envelope a.npy --traces ./a.npy", f"{MC} --csv t.npy --traces t.npy",
     f"{SIM} --out a.csv --field ./a.csv", f"{SIM} --out a.csv.part --field a.csv", *(f"map --rpm 60 --wob 40 --samples 1 --duration 1 --window 0:1 {args}" for args in ("--csv m --npy ./m", "--json m --npy m.journal", "--npy - --json -")),
     "bench --port qemu:rv32 --csv b.csv --json b.csv.journal", "bench --port qemu:rv32 --mode lockstep --out b --json b",

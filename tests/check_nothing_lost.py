@@ -246,6 +246,14 @@ def check_truncated(folder):
         claim("torn" in resumed(place, SMALL, want, f"a bit of record {k} changed")[1], f"a bit of record {k} changed, and said")
 
 
+def forged(journal):
+    """With another result in record 4, and its right CRC: who uses it comes to other files."""
+    record = bytearray(records(journal)[4])
+    record[24] ^= 1                          # the lowest bit speed
+    record[-4:] = struct.pack("<I", crc32c(bytes(record[:-4])))
+    return journal[:HEADER + 4 * RECORD] + bytes(record) + journal[HEADER + 5 * RECORD:]
+
+
 def check_order(folder):
     """Records that are out of their place, twice there or left out are dropped with all behind them, and run again."""
     place, draws = Place(folder, "order"), random.Random(1)
@@ -259,10 +267,7 @@ def check_order(folder):
     for bad in (records(journal)[:7] + records(journal)[8:], records(journal)[:7] + records(journal)[6:]):
         only(place, journal[:HEADER] + b"".join(bad))
         claim("torn" in resumed(place, SMALL, want, "a record left out, or twice there")[1], "a record left out, or twice there: said")
-    forged = bytearray(records(journal)[4])
-    forged[24] ^= 1                          # the lowest bit speed
-    forged[-4:] = struct.pack("<I", crc32c(bytes(forged[:-4])))
-    only(place, journal[:HEADER + 4 * RECORD] + bytes(forged) + journal[HEADER + 5 * RECORD:])
+    only(place, forged(journal))
     place.run(SMALL + " --resume")
     claim(place.results() != want, "what the journal holds is not run again")
 
@@ -325,7 +330,33 @@ def check_foreign(folder):
         claim(kelly(args).returncode == 2, f"{args}: no file, no journal")
     only(place, journal)
     fresh = place.run(SMALL)
-    claim(fresh.returncode == 0 and "gave up 20 records" in fresh.stderr and place.results() == want, f"without --resume: {fresh.stderr!r}")
+    old = place.journal + ".old"
+    claim(fresh.returncode == 0 and "20 records of an earlier kelly montecarlo, now in" in fresh.stderr and old in fresh.stderr and fresh.stderr.count("\n") == 1,
+          f"without --resume: {fresh.stderr!r}")
+    claim(read(old) == journal and place.files() == ["run.csv", "run.csv.journal.old", "run.json"], f"the journal is kept: {place.files()}")
+    os.remove(old)
+    claim(place.results() == want, "without --resume it runs afresh")
+    only(place, b"KELLYJNL" + bytes(range(1, 201)))
+    write(old, journal)
+    torn = place.run(f"{SMALL} --resume")
+    claim(torn.returncode == 2 and read(old) == journal, f"an older one stays where nothing is begun: {torn.stderr!r}")
+    torn = place.run(SMALL)
+    claim(torn.returncode == 0 and "of an earlier kelly run, now" in torn.stderr and read(old) != journal, f"an older one is replaced: {torn.stderr!r}")
+    only(place, journal[:HEADER])
+    write(old, journal)
+    claim(place.run(SMALL).stderr == "" and read(old) == journal, "a journal without records is not worth keeping")
+    place.empty()
+    write(old, forged(journal))
+    again = place.run(f"{SMALL} --resume")
+    claim(again.returncode == 0 and read(old) == forged(journal), f"an older one stays: {again.stderr!r}, {place.files()}")
+    os.remove(old)
+    claim(place.results() == want, "--resume does not use an older one")
+    place.empty()
+    kelly(f"sensitivity {CASE} --samples 4 --json {place.csv} --quiet", fault="unlink:1:kill")
+    other = read(place.journal)
+    only(place, other)
+    fresh = place.run(SMALL)
+    claim("records of an earlier kelly sensitivity" in fresh.stderr and read(old) == other, f"another command's: {fresh.stderr!r}")
     place.empty()
     with subprocess.Popen([PROGRAM["float"]] + shlex.split(place.args(f"montecarlo {CASE} --samples 400000")), stderr=subprocess.DEVNULL) as first:
         while not (os.path.exists(place.journal) and os.path.getsize(place.journal) > HEADER):
