@@ -37,7 +37,7 @@ static void interrupted(int signal_number)
 
 static void catch_signals(void)
 {
-    static const int caught[] = { SIGINT, SIGTERM, SIGHUP };
+    static const int caught[] = { SIGINT, SIGTERM, SIGHUP, SIGQUIT };
 
     for (unsigned i = 0; i < sizeof(caught) / sizeof(caught[0]); i++) {
         if (signal(caught[i], interrupted) == SIG_IGN) {

@@ -47,6 +47,9 @@ typedef int (*more_options)(void *context, const char *name, const char *value);
  * exit 2 on a mistake. Values start from the nominal case of the table. */
 void options_parse(options *out, int argc, char **argv, unsigned takes, const char *command, more_options more, void *context);
 
+/* Dies with exit 2 where first + samples runs over; for who takes both, once it knows how many there are. */
+void check_indices(const options *opts);
+
 /* A finite number in lo..hi, a whole number in lo..hi; die with exit 2, and `right` in the message, on anything else. */
 double option_number(const char *option, const char *text, double lo, double hi, const char *right);
 uint64_t option_whole(const char *option, const char *text, uint64_t lo, uint64_t hi, const char *right);

@@ -263,6 +263,13 @@ def check_ends():
     close(r["ci95"], clopper_pearson(r["stuck"], 1), 1e-9, "interval of one sample")
     rows = rows_of("float", f"{case} --first 4294967290 --samples 6")
     claim([int(row["index"]) for row in rows] == list(range(4294967290, 4294967296)), "the last indices")
+    for first in (4294967290, 4294967295):
+        r = report("float", f"{case} --first {first} --until-width 0.05")
+        claim((r["samples"], r["sequence"]["samples_most"]) == (4294967296 - first,) * 2, f"--until-width from {first}: {r['samples']} of {r['sequence']}")
+    for args in (f"montecarlo {case}", f"sensitivity {case}", f"advise {case}", f"map --rpm 60 --wob 40 {case}", f"montecarlo {case} --until-width 0.05 --samples 7"):
+        result = kelly("float", f"{args} --first 4294967290")
+        refused(result, 2, f"{args} at the end of the indices")
+        claim("--samples 400" not in result.stderr and "indices end" in result.stderr, f"{args} at the end of the indices: {result.stderr}")
     claim(report("float", f"{case} --samples 3 --seed 18446744073709551615")["seed"] == 18446744073709551615, "the largest seed")
     rows = rows_of("double", f"{case} --samples 5 --cov 0")
     claim(len({tuple(list(row.values())[1:]) for row in rows}) == 1 and float(rows[0]["fc_kN"]) == 100.0, "cov 0 is not one realisation")

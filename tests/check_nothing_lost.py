@@ -11,6 +11,7 @@ import random
 import re
 import shlex
 import shutil
+import signal
 import struct
 import subprocess
 import sys
@@ -367,6 +368,21 @@ def check_foreign(folder):
         claim(first.poll() is None, "the first goes on")
         first.kill()
     claim(place.files() == ["run.csv.journal", "run.csv.part", "run.json.part"], f"what a kill leaves: {place.files()}")
+
+
+def check_signals(folder):
+    """What asks a run to end leaves the journal and no half-written file."""
+    place = Place(folder, "signals")
+    want = place.alone(PIECES)
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):
+        place.empty()
+        with subprocess.Popen([PROGRAM["float"]] + shlex.split(place.args(f"montecarlo {CASE} --samples 400000")), cwd=folder) as process:
+            while not (os.path.exists(place.journal) and os.path.getsize(place.journal) > HEADER):
+                time.sleep(0.01)
+            process.send_signal(number)
+        claim(process.returncode == -number and place.files() == ["run.csv.journal"], f"{number!r}: exit {process.returncode}, left {place.files()}")
+    place.empty()
+    resumed(place, PIECES, want, "afterwards", quiet=True)
 
 
 def check_double(folder):
