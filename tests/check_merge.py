@@ -212,6 +212,18 @@ def check_array(folder):
     run = subprocess.run(["sh", script, "run4", "103", "4"] + shlex.split(CASE), cwd=folder, env=env, capture_output=True, text=True, check=False)
     claim(run.returncode == 0 and read(folder, "run4.csv") == read(folder, "one.csv"), f"a part again: {run.stderr!r}")
     claim(subprocess.run(["sh", script], capture_output=True, check=False).returncode == 2, "usage")
+    before = {name: bytes_of(folder, name) for name in os.listdir(folder)}
+    for args, word in (("run4 103 5 " + CASE, "run4.study"), ("run4 104 4 " + CASE, "run4.study"), ("run4 103 4 " + CASE.replace("0.02", "0.021"), "run4.study"),
+                       ("run4 103 4 --seed 2 " + CASE, "103 samples in 4 parts --mu 0.02"), ("x 1e3 4", "SAMPLES '1e3'"), ("x 103 0", "PARTS '0'"), ("x 0 4", "SAMPLES"),
+                       ("x 103 4.5", "PARTS"), ("x -1 4", "SAMPLES"), ("x '' 4", "SAMPLES"), ("x 103 four", "PARTS"), ("x 010 4", "SAMPLES"), ("x 99999999999999999999 1", "SAMPLES")):
+        run = subprocess.run(["sh", script] + shlex.split(args), cwd=folder, env=env, capture_output=True, text=True, check=False)
+        claim(run.returncode == 2 and run.stderr.startswith("array.sh: ") and run.stderr.count("\n") == 1 and word in run.stderr, f"array.sh {args}: exit {run.returncode}, {run.stderr!r}")
+        claim({name: bytes_of(folder, name) for name in os.listdir(folder)} == before, f"array.sh {args}: leaves {set(os.listdir(folder)) - set(before)}")
+    spaced = os.path.join(folder, "two words *")
+    os.mkdir(spaced)
+    for again in (False, True):
+        run = subprocess.run(["sh", script, f"{spaced}/run", "103", "4"] + shlex.split(CASE), env=env, capture_output=True, text=True, check=False)
+        claim(run.returncode == 0 and read(spaced, "run.csv") == read(folder, "one.csv"), f"a directory with a space, again: {again}: {run.stderr!r}")
 
 
 def main():
