@@ -337,6 +337,9 @@ static void write_bench(FILE *to, const void *of)
 
 static void print_bench(const campaign *c)
 {
+    if (c->recalled > 0) {
+        printf("%u from the journal, %u from boards\n", c->recalled, c->delivered - c->recalled);
+    }
     for (unsigned i = 0; i < c->set.count; i++) {
         const board *const b = &c->set.boards[i];
         const worker *const w = &c->work[i];

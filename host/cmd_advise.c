@@ -121,6 +121,7 @@ static void parse(advice *a, int argc, char **argv)
         die(EXIT_USAGE, "advise: %s does not belong here; see kelly advise --help", has_option(argc, argv, "--csv") ? "--csv" : "--convergence");
     }
     options_parse(&a->opts, argc, argv, TAKES_CASE | TAKES_ENSEMBLE | TAKES_JSON | TAKES_RESUME, "advise", 0, 0);
+    check_indices(&a->opts);
     a->limit = below ? option_number("--below", below, 1e-9, 1.0, "a probability, 0 < P <= 1, e.g. 0.05") : 0.05;
     a->how = (study){ .opts = &a->opts, .engine = engine_choose(a->opts.engine), .silent = 1 };
     a->range[0] = parse_range("--search-rpm", rpm, at_rpm, at_rpm / 2, at_rpm * 2);

@@ -219,6 +219,12 @@ int command_bench(int argc, char **argv)
 
     options_parse(&ask.opts, argc, argv, bench_help.takes, "bench", own_option, &ask);
     check_mode(ask.mode, argc, argv);
+    const char *const outputs[] = { ask.opts.csv, ask.opts.json, ask.opts.out, ask.wits };
+
+    check_outputs(outputs, 4);
+    if (ask.profile) {
+        check_input(ask.profile, outputs, 4);
+    }
     ask.duration_given = has_option(argc, argv, "--duration");
     if (ask.ports == 0) {
         die(EXIT_USAGE, "bench: no board; give --port /dev/ttyACM0, tcp:HOST:PORT, unix:PATH or qemu:NAME");

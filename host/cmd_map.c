@@ -80,9 +80,6 @@ static void parse_adaptive(map_run *m, const char *width, int samples_given)
     if (!samples_given) {
         m->opts.samples = samples_for_width(m->how.width);
     }
-    if ((uint64_t)m->opts.first + m->opts.samples > (uint64_t)UINT32_MAX + 1) {
-        die(EXIT_USAGE, "--first %u: too high, a cell may take %u realisations; indices end at 4294967295", m->opts.first, m->opts.samples);
-    }
 }
 
 static void parse(map_run *m, int argc, char **argv)
@@ -99,6 +96,7 @@ static void parse(map_run *m, int argc, char **argv)
     }
     options_parse(&m->opts, argc, argv, TAKES_CASE | TAKES_ENSEMBLE | TAKES_JSON | TAKES_RESUME, "map", 0, 0);
     parse_adaptive(m, width, samples_given);
+    check_indices(&m->opts);
     m->map.rpm = axis_parse("--rpm", rpm ? rpm : "40:140:5", 1e-3, 1e4, "rpm");
     m->map.wob = axis_parse("--wob", wob ? wob : "25:225:10", 1e-3, 1e6, "kN");
     if ((uint64_t)m->map.rpm.count * m->map.wob.count > CELLS_MAX) {
@@ -135,6 +133,7 @@ static void open_journal(map_run *m)
     const char *const outputs[3] = { m->opts.csv, m->opts.json, m->npy };
     const char *const beside = first_output(&m->opts, outputs, 3, "--csv, --json or --npy");
 
+    check_outputs(outputs, 3);
     for (unsigned i = 0; i < 3; i++) {
         if (outputs[i]) {
             check_output(outputs[i]);

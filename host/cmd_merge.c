@@ -1,9 +1,10 @@
 /* cmd_merge.c - parts of one ensemble, made anywhere, put together.
  *
  * A part is what `montecarlo --first J --samples N --csv F.csv --json F.json` leaves. The report beside a CSV says whose realisations it
- * holds (string, precision, seed, identity of the case, first, samples), their counts, their digest, and the CRC-32C of the CSV. That
- * is enough for a result that equals one run's to the last bit: lines are copied as they are, counts are added, and digests are
- * put together as CRCs are (see joined), so that no number of the CSV has to be converted back.
+ * holds (string, precision, seed, identity of the case, first, samples), their counts, their digest, the CRC-32C of the CSV, and at its
+ * end that of itself: a change of either is noticed, and counts must be those of the lines. That is enough for a result that equals one
+ * run's to the last bit: lines are copied as they are, counts are added, and digests are put together as CRCs are (see joined), so that no
+ * number of the CSV has to be converted back.
  * The convergence function and envelopes are not sums over parts, and are left out.
  */
 #include <errno.h>
@@ -194,34 +195,79 @@ static void add_part(outcome *out, const stored_part *p)
     out->engine = strcmp(out->engine, p->engine) == 0 ? out->engine : "several";
 }
 
+/* What a line says in its last three fields. One that says something else makes the sum wrong. */
+static void count_line(kelly_tally *sum, const char *line)
+{
+    const char *field = line;
+
+    for (unsigned k = 0; k < 10 && field; k++) {
+        field = strchr(field, ',');
+        field += field != 0;
+    }
+    if (!field || strlen(field) < 7) {
+        return;
+    }
+    for (unsigned k = 0; k < KELLY_STATUSES; k++) {
+        const size_t n = strlen(status_names[k]);
+
+        if (strncmp(field + 2, status_names[k], n) == 0 && field[2 + n] == ',') {
+            sum->samples++;
+            sum->status[k]++;
+            sum->stuck += field[0] == '1';
+            sum->liftoff += field[3 + n] == '1';
+        }
+    }
+}
+
+/* Dies unless the counts of a report are those of its lines. */
+static void check_counts(const part *p, const kelly_tally *lines)
+{
+    const kelly_tally *const said = &p->is.tally;
+    char by[32] = "";
+
+    for (unsigned k = KELLY_STEP; k < KELLY_STATUSES; k++) {
+        if (said->status[k] != lines->status[k]) {
+            snprintf(by, sizeof(by), "refused_by.%s", status_names[k]);
+        }
+    }
+    if (said->samples != lines->samples || said->stuck != lines->stuck || said->liftoff != lines->liftoff || by[0]) {
+        die(EXIT_USAGE, "%s: \"%s\" is not what the lines of %s say; run the part again", p->is.of.path, said->samples != lines->samples ? "samples" :
+            said->stuck != lines->stuck ? "stuck" : said->liftoff != lines->liftoff ? "liftoff" : by, p->csv);
+    }
+}
+
 /* Copy a part's lines, but for its header; dies if they are not those that its report is of. */
 static void add_csv(outcome *out, const part *p)
 {
-    static char block[1 << 16];
     FILE *const in = fopen(p->csv, "rb");
-    size_t n, header = strlen(OUTCOME_HEADER "\n");
+    kelly_tally lines = { 0 };
+    char *line = 0;
+    size_t room = 0;
+    ssize_t n;
     uint32_t crc = 0;
 
     if (!in) {
         die(EXIT_FAILED, "%s: cannot be read: %s", p->csv, strerror(errno));
     }
-    while ((n = fread(block, 1, sizeof(block), in)) > 0) {
-        const size_t skip = n < header ? n : header;
-
-        crc = kelly_crc32c(crc, (const uint8_t *)block, n);
-        header -= skip;
-        if (out->opts->csv) {
-            outcome_lines(out, block + skip, n - skip);
+    for (int header = 1; (n = getline(&line, &room, in)) > 0; header = 0) {
+        crc = kelly_crc32c(crc, (const uint8_t *)line, (size_t)n);
+        if (!header) {
+            count_line(&lines, line);
+            if (out->opts->csv) {
+                outcome_lines(out, line, (size_t)n);
+            }
         }
     }
     if (ferror(in)) {
         die(EXIT_FAILED, "%s: cannot be read: %s", p->csv, strerror(errno));
     }
+    free(line);
     (void)fclose(in);
     if (crc != p->is.csv_crc) {
         die(EXIT_USAGE, "%s: not the file that %s is of (CRC-32C %08x, there %08x): changed, cut short or of another run; run the part again",
             p->csv, p->is.of.path, crc, p->is.csv_crc);
     }
+    check_counts(p, &lines);
 }
 
 /* ---- the command ------------------------------------------------------------------------------------------------------- */
@@ -271,6 +317,8 @@ static part *load_all(char **names, unsigned count, const options *opts)
     for (unsigned i = 0; i < count; i++) {
         load(&parts[i], names[i]);
         compare(&parts[i], &parts[0]);
+        check_input(names[i], (const char *const[]){ opts->csv, opts->json }, 2);
+        check_input(parts[i].is.of.path, (const char *const[]){ opts->csv, opts->json }, 2);
         if (opts->csv && !parts[i].csv) {
             die(EXIT_USAGE, "%s: a report without its lines, and --csv wants them; give the CSV", parts[i].given);
         }
@@ -293,9 +341,7 @@ int command_merge(int argc, char **argv)
     if (count == 0) {
         die(EXIT_USAGE, "merge: nothing to merge; give the parts, e.g. kelly merge a.csv b.csv --csv all.csv --json all.json");
     }
-    if (opts.csv && opts.json && strcmp(opts.csv, opts.json) == 0) {
-        die(EXIT_USAGE, "--csv %s --json %s: one place for two results; give each its own", opts.csv, opts.json);
-    }
+    check_outputs((const char *const[]){ opts.csv, opts.json }, 2);
     parts = load_all(sorted, count, &opts);
     opts.run = parts[0].is.of.run;
     opts.seed = parts[0].is.of.seed;

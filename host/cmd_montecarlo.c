@@ -41,10 +41,15 @@ int command_montecarlo(int argc, char **argv)
 
     options_parse(&opts, argc, argv, montecarlo_help.takes, "montecarlo", own_option, &out);
     if (out.until.rule.alpha > 0 && !has_option(argc, argv, "--samples")) {
-        opts.samples = UNTIL_MOST < UINT32_MAX - opts.first ? UNTIL_MOST : UINT32_MAX - opts.first;
+        const uint32_t behind = UINT32_MAX - opts.first;   /* indices after the first one */
+
+        opts.samples = UNTIL_MOST - 1 < behind ? UNTIL_MOST : behind + 1;
     }
-    beside = first_output(&opts, (const char *const[]){ opts.csv, opts.json, out.envelope.envelope, out.envelope.traces }, 4,
-                          "--csv, --json, --envelope or --traces");
+    check_indices(&opts);
+    const char *const outputs[] = { opts.csv, opts.json, out.envelope.envelope, out.envelope.traces };
+
+    check_outputs(outputs, 4);
+    beside = first_output(&opts, outputs, 4, "--csv, --json, --envelope or --traces");
     engine = engine_choose(opts.engine);
     if (team_rank() == 0) {
         envelope_reserve(&out.envelope, &opts);

@@ -242,6 +242,7 @@ int command_sensitivity(int argc, char **argv)
     if (opts.csv || opts.convergence) {
         die(EXIT_USAGE, "%s does not belong to sensitivity; give --json F", opts.csv ? "--csv" : "--convergence");
     }
+    check_indices(&opts);
     engine = engine_choose(opts.engine);
     out.opts = &opts;
     out.engine = engine;

@@ -121,6 +121,7 @@ int command_simulate(int argc, char **argv)
     field_file field;
 
     options_parse(&opts, argc, argv, TAKES_CASE | TAKES_SIMULATE, "simulate", 0, 0);
+    check_outputs((const char *const[]){ opts.out, opts.field }, 2);
     if (opts.sample_given) {
         kelly_draw_sample(&opts.run, opts.seed, opts.sample, &draw);
     } else {

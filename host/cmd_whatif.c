@@ -197,6 +197,8 @@ int command_whatif(int argc, char **argv)
         die(EXIT_USAGE, "whatif: nothing to start from; give --from F.csv, what montecarlo --csv F.csv --json F.json wrote");
     }
     stored_open_run(&ask.run, ask.case_json ? ask.case_json : case_beside(ask.from));
+    check_input(ask.from, &opts.json, 1);
+    check_input(ask.run.path, &opts.json, 1);
     ask.limit = isnan(ask.limit) ? (double)ask.run.run.limit : ask.limit;
     settle_laws(&ask);
     kelly_reweight_start(&ask.sums, &ask.was, &ask.is);

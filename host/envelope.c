@@ -39,6 +39,7 @@ static struct {
     real *left;                  /* [realisation][1 + QUANTITIES * times] */
     uint32_t samples, times, used;
     int streaming;
+    outfile envelope, traces;
 } store;
 
 typedef struct {
@@ -131,6 +132,12 @@ void envelope_reserve(envelope_request *ask, const options *opts)
     if (!store.left) {
         die(EXIT_USAGE, "%s: %u realisations at %u times need %.4g GB of memory, and %.4g GB are free; give fewer --samples, a longer --out-step "
             "or a shorter --duration", ask->envelope ? "--envelope" : "--traces", store.samples, store.times, need / 1e9, have / 1e9);
+    }
+    if (ask->envelope) {
+        outfile_open(&store.envelope, ask->envelope);
+    }
+    if (ask->traces) {
+        outfile_open(&store.traces, ask->traces);
     }
 }
 
@@ -368,7 +375,6 @@ void envelope_run(envelope_request *ask, const options *opts, const char *beside
 {
     options all = *opts;         /* the context of a sink is not const */
     char path[4096];
-    outfile file;
 
     if (!ask->envelope && !ask->traces) {
         return;
@@ -383,14 +389,12 @@ void envelope_run(envelope_request *ask, const options *opts, const char *beside
         die(EXIT_FAILED, "--envelope %s: every realisation was refused, so there is nothing to take quantiles of", ask->envelope);
     }
     if (ask->envelope) {
-        outfile_open(&file, ask->envelope);
-        write_envelope(file.stream, ask->envelope, opts);
-        outfile_close(&file);
+        write_envelope(store.envelope.stream, ask->envelope, opts);
+        outfile_close(&store.envelope);
     }
     if (ask->traces) {
-        outfile_open(&file, ask->traces);
-        write_traces(file.stream, ask->quantity);
-        outfile_close(&file);
+        write_traces(store.traces.stream, ask->quantity);
+        outfile_close(&store.traces);
     }
     ask->used = store.used;
     ask->times = store.times;

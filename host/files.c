@@ -1,6 +1,7 @@
 /* files.c - messages, and files that appear whole or not at all. */
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -13,6 +14,7 @@
 #include "team.h"
 
 #define OPEN_MAX_FILES 8u
+#define LINKS_MOST 40u           /* as the kernel follows */
 
 static outfile *open_files[OPEN_MAX_FILES];   /* removed by die() and by a signal */
 
@@ -35,7 +37,7 @@ static void interrupted(int signal_number)
 
 static void catch_signals(void)
 {
-    static const int caught[] = { SIGINT, SIGTERM, SIGHUP };
+    static const int caught[] = { SIGINT, SIGTERM, SIGHUP, SIGQUIT };
 
     for (unsigned i = 0; i < sizeof(caught) / sizeof(caught[0]); i++) {
         if (signal(caught[i], interrupted) == SIG_IGN) {
@@ -121,6 +123,104 @@ int is_plain_file(const char *path)
     return path && strcmp(path, "-") != 0 && !special(path);
 }
 
+__attribute__((format(printf, 1, 2))) static char *format_text(const char *format, ...)
+{
+    va_list args;
+    char *text;
+    int n;
+
+    va_start(args, format);
+    n = vasprintf(&text, format, args);
+    va_end(args);
+    if (n < 0) {
+        die(EXIT_FAILED, "out of memory");
+    }
+    return text;
+}
+
+/* The absolute path of a name, whether or not there is such a file, and if it is a link; as given where there is no such directory. */
+static char *place_of_name(const char *path)
+{
+    const char *const slash = strrchr(path, '/'), *const name = slash ? slash + 1 : path;
+    char *const parent = format_text("%.*s.", (int)(name - path), path), *const directory = realpath(parent, 0);
+    char *const place = directory ? format_text("%s/%s", directory[1] ? directory : "", name) : format_text("%s", path);
+
+    free(parent);
+    free(directory);
+    return place;
+}
+
+/* The same of what it leads to, also by links to a file that is not there yet. */
+static char *place_of(const char *path)
+{
+    char target[PATH_MAX], *at = place_of_name(path);
+    ssize_t n;
+
+    for (unsigned links = 0; links < LINKS_MOST && (n = readlink(at, target, sizeof(target) - 1)) >= 0; links++) {
+        const char *const slash = strrchr(at, '/');
+        char *next;
+
+        target[n] = '\0';
+        next = format_text("%.*s%s", slash && target[0] != '/' ? (int)(slash - at) + 1 : 0, at, target);
+        free(at);
+        at = place_of_name(next);
+        free(next);
+    }
+    return at;
+}
+
+/* Whether `path` is `output`, or what is written beside it while the run goes on. */
+static int is_of(const char *path, const char *output)
+{
+    static const char *const beside[] = { "", ".part", ".journal", ".convergence.journal", ".envelope.journal", ".journal.old", ".convergence.journal.old",
+                                         ".envelope.journal.old" };
+    const size_t n = strlen(output);
+
+    for (unsigned i = 0; i < sizeof(beside) / sizeof(beside[0]); i++) {
+        if (strncmp(path, output, n) == 0 && strcmp(path + n, beside[i]) == 0) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* Whether a run that writes `output` would write over what `path` leads to. */
+static int writes_over(const char *output, const char *path)
+{
+    char *const at = place_of(path), *const target = place_of(output), *const name = place_of_name(output);
+    const int hit = is_of(at, target) || is_of(at, name);   /* the journals lie beside a link, the .part beside its target */
+
+    free(at);
+    free(target);
+    free(name);
+    return hit;
+}
+
+void check_outputs(const char *const outputs[], unsigned count)
+{
+    for (unsigned i = 0; i < count; i++) {
+        for (unsigned j = 0; j < count; j++) {
+            const char *const a = outputs[i], *const b = outputs[j];
+
+            if (i < j && a && b && strcmp(a, "-") == 0 && strcmp(b, "-") == 0) {
+                die(EXIT_USAGE, "two results to stdout; give each its own place");
+            }
+            if (i != j && is_plain_file(a) && is_plain_file(b) && writes_over(a, b)) {
+                die(EXIT_USAGE, "%s, %s: one place for two results, or for one and what is kept beside the other while it is made; give each its own", a, b);
+            }
+        }
+    }
+}
+
+void check_input(const char *input, const char *const outputs[], unsigned count)
+{
+    for (unsigned i = 0; i < count; i++) {
+        if (is_plain_file(outputs[i]) && writes_over(outputs[i], input)) {
+            die(EXIT_USAGE, "%s: is read here, and %s would be written over it; give the result another place", input, outputs[i]);
+        }
+    }
+}
+
 void outfile_open(outfile *file, const char *path)
 {
     *file = (outfile){ .fd = -1 };
@@ -131,15 +231,8 @@ void outfile_open(outfile *file, const char *path)
         }
         return;
     }
-    file->path = realpath(path, 0);          /* a link stays a link, its target is replaced */
-    if (!file->path) {
-        file->path = strdup(path);
-    }
-    file->temporary = file->path ? malloc(strlen(file->path) + sizeof(".part")) : 0;
-    if (!file->temporary) {
-        die(EXIT_FAILED, "%s: out of memory", path);
-    }
-    sprintf(file->temporary, "%s.part", file->path);
+    file->path = place_of(path);             /* a link stays a link, its target is made or replaced */
+    file->temporary = format_text("%s.part", file->path);
     file->fd = open_locked(file->temporary);
     remember(file);
     catch_signals();

@@ -47,6 +47,9 @@ typedef int (*more_options)(void *context, const char *name, const char *value);
  * exit 2 on a mistake. Values start from the nominal case of the table. */
 void options_parse(options *out, int argc, char **argv, unsigned takes, const char *command, more_options more, void *context);
 
+/* Dies with exit 2 where first + samples runs over; for who takes both, once it knows how many there are. */
+void check_indices(const options *opts);
+
 /* A finite number in lo..hi, a whole number in lo..hi; die with exit 2, and `right` in the message, on anything else. */
 double option_number(const char *option, const char *text, double lo, double hi, const char *right);
 uint64_t option_whole(const char *option, const char *text, uint64_t lo, uint64_t hi, const char *right);
@@ -142,6 +145,11 @@ int open_locked(const char *path);
 
 /* Whether it names a file that will be renamed into its place, or 0: stdout, devices, no path. */
 int is_plain_file(const char *path);
+
+/* Before anything runs: dies with exit 2 where two of the outputs of a command (0: not asked for) are one file, or one is what is kept beside
+ * another while it is made; where an output is a file that the command reads. */
+void check_outputs(const char *const outputs[], unsigned count);
+void check_input(const char *input, const char *const outputs[], unsigned count);
 
 /* Header of a NPY 1.0 file, what numpy.load reads: type "<f8" or a list of fields as Python writes it, and the shape. Raw values in
  * C order follow; `<` in the type stands for this machine's byte order. */
@@ -287,8 +295,8 @@ typedef struct {
 extern const option_help envelope_options[];
 int envelope_option(void *request, const char *name, const char *value);           /* a more_options */
 
-/* Take the memory, or die with exit 2 where it does not fit; then run and write. Nothing where nothing was asked for. The journal is that of
- * convergence_run, OUTPUT.envelope.journal. */
+/* Take the memory and open the files; dies with exit 2 where it does not fit, with exit 1 where they cannot be written. Then run and write. Nothing
+ * where nothing was asked for. The journal is that of convergence_run, OUTPUT.envelope.journal. */
 void envelope_reserve(envelope_request *ask, const options *opts);
 void envelope_run(envelope_request *ask, const options *opts, const char *beside, struct journal *log);
 

@@ -180,8 +180,29 @@ static void resume_from(journal *j, const uint8_t have[HEADER], const uint8_t wa
     }
 }
 
-/* Begin a file that is empty, holds the beginning of a header (torn in its first write), or a journal to be given up. */
-static void begin(const journal *j, const uint8_t *have, size_t length, const uint8_t want[HEADER], int resume, uint32_t payload)
+/* Another name for a journal with records, in place of an older one of that name, and an empty file where it was. */
+static void set_aside(journal *j, const uint8_t have[HEADER])
+{
+    const int sound = get_u32(have + AT_CRC) == kelly_crc32c(0, have, AT_CRC), earlier = j->fd;
+    const long long count = (long long)(file_size(j) - HEADER) / ((long long)get_u32(have + AT_PAYLOAD) + 8);
+    char *const old = malloc(strlen(j->path) + sizeof(".old"));
+
+    if (!old) {
+        die(EXIT_FAILED, "%s: out of memory", j->path);
+    }
+    sprintf(old, "%s.old", j->path);
+    if (rename(j->path, old) != 0) {
+        die(EXIT_FAILED, "%s: could not be renamed to %s: %s", j->path, old, strerror(errno));
+    }
+    j->fd = open_locked(j->path);
+    close(earlier);
+    fprintf(stderr, "kelly: %s: %lld records of an earlier kelly %.16s, now in %s; this run begins anew, with --resume it would have gone on from them\n",
+            j->path, count, sound ? (const char *)have + AT_KIND : "run", old);
+    free(old);
+}
+
+/* Begin a file that is empty, holds the beginning of a header (torn in its first write), or a journal to be set aside. */
+static void begin(journal *j, const uint8_t *have, size_t length, const uint8_t want[HEADER], int resume)
 {
     const size_t magic = length < 8 ? length : 8;
 
@@ -189,8 +210,7 @@ static void begin(const journal *j, const uint8_t *have, size_t length, const ui
         die(EXIT_USAGE, "%s: not a journal of kelly; move it away", j->path);
     }
     if (length == HEADER && file_size(j) > HEADER) {
-        fprintf(stderr, "kelly: %s: gave up %lld records of an earlier run; --resume goes on from them\n", j->path,
-                (long long)(file_size(j) - HEADER) / ((long long)payload + 8));
+        set_aside(j, have);
     } else if (resume && length > 0) {
         fprintf(stderr, "kelly: %s: dropped a torn header of %zu bytes\n", j->path, length);
     }
@@ -214,7 +234,7 @@ void journal_open(journal *j, const char *output, const journal_run *run, int re
     if (resume && length == HEADER) {
         resume_from(j, have, want);
     } else {
-        begin(j, have, length, want, resume, get_u32(length == HEADER ? have + AT_PAYLOAD : want + AT_PAYLOAD));
+        begin(j, have, length, want, resume);
     }
     sync_now(j);
 }

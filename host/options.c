@@ -327,6 +327,13 @@ static int parse_one(options *out, times *when, int argc, char **argv, unsigned 
     return equals ? 1 : 2;
 }
 
+void check_indices(const options *opts)
+{
+    if ((uint64_t)opts->first + opts->samples > (uint64_t)UINT32_MAX + 1) {
+        die(EXIT_USAGE, "--first %u: indices end at 4294967295, and there are %u realisations; give a lower one, or fewer --samples", opts->first, opts->samples);
+    }
+}
+
 void options_parse(options *out, int argc, char **argv, unsigned takes, const char *command, more_options more, void *context)
 {
     const kelly_case *const nominal = &kelly_string.nominal;
@@ -340,12 +347,6 @@ void options_parse(options *out, int argc, char **argv, unsigned takes, const ch
         i += parse_one(out, &when, argc - i, &argv[i], takes, command, more, context);
     }
     settle_times(out, &when);
-    if ((uint64_t)out->first + out->samples > (uint64_t)UINT32_MAX + 1) {
-        die(EXIT_USAGE, "--first %u --samples %u: indices end at 4294967295", out->first, out->samples);
-    }
-    if (out->csv && out->json && strcmp(out->csv, out->json) == 0) {
-        die(EXIT_USAGE, "--csv %s --json %s: one place for two results; give each its own", out->csv, out->json);
-    }
     error = kelly_case_error(&kelly_string, &out->run);
     if (error) {
         die(EXIT_USAGE, "%s: %s", command, error);

@@ -1,4 +1,5 @@
 /* outcome.c - what an ensemble came to: counts as they come in, a line a realisation, JSON, a summary. */
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
@@ -145,7 +146,26 @@ static void write_json(FILE *to, const outcome *out, double lo, double hi)
     if (out->more) {
         out->more(to, out->more_of);
     }
-    fprintf(to, "  \"engine\": \"%s\",\n  \"seconds\": %.6f\n}\n", out->engine, out->seconds);
+    fprintf(to, "  \"engine\": \"%s\",\n  \"seconds\": %.6f,\n", out->engine, out->seconds);
+}
+
+/* The JSON, and at its end the CRC of all before it. */
+static void write_report(FILE *to, const outcome *out, double lo, double hi)
+{
+    char *text = 0;
+    size_t length = 0;
+    FILE *const memory = open_memstream(&text, &length);
+
+    if (!memory) {
+        die(EXIT_FAILED, "out of memory");
+    }
+    write_json(memory, out, lo, hi);
+    if (fclose(memory) != 0) {
+        die(EXIT_FAILED, "out of memory");
+    }
+    fwrite(text, 1, length, to);
+    fprintf(to, OUTCOME_END, kelly_crc32c(0, (const uint8_t *)text, length));
+    free(text);
 }
 
 void outcome_print_case(const outcome *out)
@@ -298,7 +318,7 @@ void outcome_close(outcome *out)
     out->seconds = now() - out->start;
     interval(out, &lo, &hi);
     if (opts->json) {
-        write_json(out->json.stream, out, lo, hi);
+        write_report(out->json.stream, out, lo, hi);
         outfile_close(&out->json);
     }
     if (opts->csv) {

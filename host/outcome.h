@@ -6,6 +6,7 @@
 #include "journal.h"
 
 #define OUTCOME_HEADER "index,fc_kN,mu,alpha1,alpha2,rpm,bit_min_rpm,bit_max_rpm,bit_mean_rpm,ss,stuck,status,liftoff"
+#define OUTCOME_END "  \"crc32c\": \"%08x\"\n}\n"   /* of the JSON: CRC-32C of every byte before it */
 #define LISTED 100u              /* refused realisations that are named one by one in the JSON */
 
 /* Start from zeros; `envelope`, `until`, `more` and `convergence` are the caller's, the rest is not to be touched. */

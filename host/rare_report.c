@@ -140,6 +140,9 @@ static void write_failures(FILE *to, const search *s, double *list)
     for (unsigned k = 0; k < KELLY_PARAMETERS && (n = failures(s, k, list)) > 0; k++) {
         const place p = place_of(list, n);
 
+        if (!(s->opts->run.cov[k] > 0)) {
+            continue;
+        }
         fprintf(to, "\n    \"%s\": {\"mean\": %.9g, \"sd\": %.9g, \"quantiles\": {\"0.025\": %.9g, \"0.5\": %.9g, \"0.975\": %.9g}},", names[k],
                 p.mean, p.sd, p.low, p.median, p.high);
     }
@@ -180,7 +183,9 @@ static void print_failures(const search *s, double *list)
     for (unsigned k = 0; k < KELLY_PARAMETERS && (n = failures(s, k, list)) > 0; k++) {
         const place p = place_of(list, n);
 
-        printf("%-7s %10.5g +- %-10.4g 95 %% of them in %.5g .. %.5g\n", names[k], p.mean, p.sd, p.low, p.high);
+        if (s->opts->run.cov[k] > 0) {
+            printf("%-7s %10.5g +- %-10.4g 95 %% of them in %.5g .. %.5g\n", names[k], p.mean, p.sd, p.low, p.high);
+        }
     }
     for (unsigned i = 0; n > 0 && i < s->opts->run.torsional; i++) {
         double share, at = resonance(s, i, list, n, &share);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../firmware/link/crc32c.h"
 #include "stored.h"
 
 #define HEADER OUTCOME_HEADER
@@ -13,15 +14,15 @@
 
 const char *const status_names[KELLY_STATUSES] = { "ok", "step", "range", "nonfinite", "corrupt" };
 
-/* Keys of the JSON, and where their values go. Up to REAL_ they must be there for every use; ENGINE is the last that merge needs. */
+/* Keys of the JSON, and where their values go. Up to REAL_ they must be there for every use; CRC is the last that merge needs. */
 enum { RPM_, WOB, MU, ALPHA1, ALPHA2, LIMIT, COV_FC, COV_MU, COV_A1, COV_A2, COV_RPM, FIRST, SAMPLES, STUCK, REFUSED, SEED, MODEL, REAL_,
        F0, DURATION, STEP, TORSIONAL, LIFTOFF, BY_STEP, BY_RANGE, BY_NONFINITE, BY_CORRUPT, STUCK_SSI, SECONDS, START, DRIVE, DIGEST,
-       IDENTITY, ENGINE, CSV_CRC, STOPPED, KEYS };
+       IDENTITY, ENGINE, CRC, CSV_CRC, STOPPED, KEYS };
 static const char *const keys[KEYS] = { "case.rpm", "case.wob_kN", "case.mu", "case.alpha1", "case.alpha2", "case.limit", "case.cov.fc", "case.cov.mu",
                                         "case.cov.a1", "case.cov.a2", "case.cov.rpm", "first", "samples", "stuck", "refused", "seed", "model", "real",
                                         "case.f0_kN", "case.duration_s", "case.step_s", "case.torsional", "liftoff", "refused_by.step",
                                         "refused_by.range", "refused_by.nonfinite", "refused_by.corrupt", "ssi.stuck", "seconds", "case.start", "case.drive",
-                                        "digest", "identity", "engine", "csv_crc32c", "sequence.stopped" };
+                                        "digest", "identity", "engine", "crc32c", "csv_crc32c", "sequence.stopped" };
 
 typedef struct {
     const char *path;
@@ -144,6 +145,19 @@ static uint32_t crc_in(const found *f, unsigned k)
     return (uint32_t)x;
 }
 
+/* Dies unless the report ends with the CRC of all before it. */
+static void check_crc(const found *f, const char *text)
+{
+    char end[40];
+    const size_t length = strlen(text), tail = (size_t)snprintf(end, sizeof(end), OUTCOME_END, 0u);
+    const size_t before = length > tail ? length - tail : 0;
+
+    snprintf(end, sizeof(end), OUTCOME_END, kelly_crc32c(0, (const uint8_t *)text, before));
+    if (f->seen[CRC] && strcmp(text + before, end) != 0) {
+        die(EXIT_USAGE, "%s: \"crc32c\" is not of what it holds: changed since it was written; run the part again", f->path);
+    }
+}
+
 static void open_run(stored_run *run, found *f)
 {
     char *const text = read_all(f->path);
@@ -151,6 +165,13 @@ static void open_run(stored_run *run, found *f)
 
     if (wrong >= 0) {
         die(EXIT_USAGE, "%s: no JSON from character %ld on; give the JSON that the same run of montecarlo wrote", f->path, wrong + 1);
+    }
+    if (f->part) {
+        check_crc(f, text);
+    }
+    if (f->seen[STOPPED]) {
+        die(EXIT_USAGE, "%s: a run that stopped itself (--until-...): no part of one with a given number, and intervals are of such; run it with --samples alone",
+            f->path);
     }
     *run = (stored_run){ .path = strdup(f->path) };
     run->run.w0 = (real)(number_in(f, RPM_, 1e-3, 1e4) * RPM);
@@ -218,13 +239,10 @@ void stored_open_part(stored_part *part, const char *path)
 
     *part = (stored_part){ 0 };
     open_run(&part->of, &f);
-    for (unsigned k = F0; k <= ENGINE; k++) {
+    for (unsigned k = F0; k <= CRC; k++) {
         if (!f.seen[k] || f.windows != 2) {
             die(EXIT_USAGE, "%s: no \"%s\"; give the JSON that this version of montecarlo wrote", path, f.seen[k] ? "case.window_s" : keys[k]);
         }
-    }
-    if (f.seen[STOPPED]) {
-        die(EXIT_USAGE, "%s: a run that stopped itself (--until-...) is no part of one with a given number; run it with --samples alone", path);
     }
     open_case(&part->of.run, &f);
     part->tally = (kelly_tally){ .samples = part->of.samples, .stuck = part->of.stuck, .liftoff = count_in(&f, LIFTOFF, part->of.samples), .digest = crc_in(&f, DIGEST) };

@@ -50,10 +50,10 @@ typedef struct {
 typedef void (*json_visit)(void *context, const char *path, const char *value);
 long json_walk(const char *text, json_visit visit, void *context);
 
-/* The JSON of a run; dies with exit 1 where it cannot be read, with exit 2 where it is not that of montecarlo. */
+/* The JSON of a run; dies with exit 1 where it cannot be read, with exit 2 where it is not that of montecarlo or the run stopped itself. */
 void stored_open_run(stored_run *run, const char *path);
 
-/* The same with all of it, dying where any is missing, or where the run stopped itself. */
+/* The same with all of it, dying where any is missing, or its CRC is not that of its text. */
 void stored_open_part(stored_part *part, const char *path);
 
 /* The CSV; dies like that, with the line. stored_next: 0 after the last line. */

@@ -37,6 +37,12 @@ USAGE = [
     *(f"{MC} --engine {value}" for value in ("mmx", "AVX2", "''")),
     *(f"{SIM} --sample {value}" for value in ("-1", "abc", "1.5", "4294967296")),
     f"{MC} --csv - --json -", f"{MC} --csv same --json same",   # one would be lost in the other
+    f"{MC} --csv a.csv --json ./a.csv", *(f"{MC} {more} --csv a --json a.{end}" for more in ("--convergence", "--envelope e.npy") for end in
+                                          ("part", "journal", "convergence.journal", "envelope.journal", "journal.old")),
+    f"{MC} --csv a.part --json a", f"{MC} --envelope a.npy --traces ./a.npy", f"{MC} --csv t.npy --traces t.npy",
+    f"{SIM} --out a.csv --field ./a.csv", f"{SIM} --out a.csv.part --field a.csv", *(f"map --rpm 60 --wob 40 --samples 1 --duration 1 --window 0:1 {args}" for args in ("--csv m --npy ./m", "--json m --npy m.journal", "--npy - --json -")),
+    "bench --port qemu:rv32 --csv b.csv --json b.csv.journal", "bench --port qemu:rv32 --mode lockstep --out b --json b",
+    "bench --port qemu:rv32 --mode realtime --out b --wits ./b", "bench --port qemu:rv32 --mode lockstep --profile p.csv --out ./p.csv",
     f"{MC} --resume", f"{MC} --resume --csv -", f"{MC} --resume --json /dev/null", f"{MC} --resume=1 --csv x.csv", f"{SIM} --resume", "modes --resume",
     "sensitivity --resume", "advise --resume", "rare --resume", "map --resume", "merge", "merge --json x.json", "merge a.txt", "merge a.csv --threads 2",
     "merge nothing.csv", "plan --cores 0", "plan --cores 1e7", "plan --samples 0", "plan --csv x", "plan --lines maybe", "plan --message -1",
@@ -46,6 +52,7 @@ USAGE = [
 # {D}: a directory that does not exist; {F}: a directory of the test
 FILES = [
     f"{MC} --json {{D}}/x.json", f"{MC} --csv {{D}}/x.csv", f"{SIM} --out {{D}}/x.csv", "modes --json {D}/x.json",
+    *(f"{MC} --progress json --csv {{F}}/good.csv --{what} {{D}}/x.npy" for what in ("envelope", "traces")),   # told before anything runs
     f"{MC} --csv {{F}}/good.csv --json {{D}}/x.json", f"{MC} --json {{F}}", f"{MC} --csv {{F}}", f"{SIM} --out {{F}}",
 ]
 

@@ -116,6 +116,7 @@ def host_killed():
     yield from same_campaign(run, case, samples)
     used = run.report()["bench"]["resumed"]
     yield used == held >= 60 and "torn" in run.err, f"{held} records held, {used} used: {run.said}"
+    yield f"{held} from the journal, {samples - held} from boards\n" in run.out, f"the summary says so: {run.out}"
     yield not os.path.exists(run.csv + ".journal"), "the journal is gone"
 
 

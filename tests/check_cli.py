@@ -263,6 +263,13 @@ def check_ends():
     close(r["ci95"], clopper_pearson(r["stuck"], 1), 1e-9, "interval of one sample")
     rows = rows_of("float", f"{case} --first 4294967290 --samples 6")
     claim([int(row["index"]) for row in rows] == list(range(4294967290, 4294967296)), "the last indices")
+    for first in (4294967290, 4294967295):
+        r = report("float", f"{case} --first {first} --until-width 0.05")
+        claim((r["samples"], r["sequence"]["samples_most"]) == (4294967296 - first,) * 2, f"--until-width from {first}: {r['samples']} of {r['sequence']}")
+    for args in (f"montecarlo {case}", f"sensitivity {case}", f"advise {case}", f"map --rpm 60 --wob 40 {case}", f"montecarlo {case} --until-width 0.05 --samples 7"):
+        result = kelly("float", f"{args} --first 4294967290")
+        refused(result, 2, f"{args} at the end of the indices")
+        claim("--samples 400" not in result.stderr and "indices end" in result.stderr, f"{args} at the end of the indices: {result.stderr}")
     claim(report("float", f"{case} --samples 3 --seed 18446744073709551615")["seed"] == 18446744073709551615, "the largest seed")
     rows = rows_of("double", f"{case} --samples 5 --cov 0")
     claim(len({tuple(list(row.values())[1:]) for row in rows}) == 1 and float(rows[0]["fc_kN"]) == 100.0, "cov 0 is not one realisation")
@@ -326,8 +333,8 @@ def check_mistakes():
     with tempfile.TemporaryDirectory() as where:
         for args in bad_usage.USAGE:
             refused(kelly("float", args, cwd=where), 2, args)
-            # another --csv would take its place, and --resume is right where there is an output
-            if not args.startswith(("modes", "nonsense")) and "--csv" not in args and "--resume" not in args:
+            # another --csv or --out would take its place, and --resume is right where there is an output
+            if not args.startswith(("modes", "nonsense")) and not any(o in args for o in ("--csv", "--field", "--resume")):
                 refused(kelly("float", f"{args} {'--out' if args.startswith('sim') else '--csv'} {where}/left.csv", cwd=where), 2, args + " and a file")
         for args in bad_usage.FILES:
             refused(kelly("float", args.format(D=f"{where}/none", F=where), cwd=where), 1, args)
@@ -338,6 +345,25 @@ def check_mistakes():
             result.stdout = ""
             refused(result, 1, args + " on a full disk")
     claim(os.path.exists("/dev/full") and not [name for name in os.listdir("/dev") if name.startswith("full.")], "something left in /dev")
+
+
+def check_links():
+    """An output by a link goes where the link leads; two links to one file are one place, whether or not it is there."""
+    case = "montecarlo --samples 2 --duration 1 --window 0:1 --quiet"
+    with tempfile.TemporaryDirectory() as where:
+        os.mkdir(f"{where}/sub")
+        for name, target in (("one", "sub/there"), ("two", f"{where}/sub/there"), ("three", "one"), ("round", "round"), ("here", "sub")):
+            os.symlink(target, f"{where}/{name}")
+        for there in (False, True):
+            for a, b in (("one", "two"), ("three", "two"), ("sub/there", "one"), ("here/there", "sub/there"), ("here/x", "sub/x"), ("one", "sub/there.part"),
+                         ("one", "one.journal")):
+                for args in (f"{case} --csv {a} --json {b}", f"{case} --csv {b} --json {a}"):
+                    refused(kelly("float", args, cwd=where), 2, f"{args}, there: {there}")
+            made = kelly("float", f"{case} --csv three", cwd=where)
+            claim(made.returncode == 0 and os.path.islink(f"{where}/one") and os.path.islink(f"{where}/three") and os.listdir(f"{where}/sub") == ["there"],
+                  f"a link stays a link, there: {there}: {made.stderr!r} {os.listdir(where + '/sub')}")
+        claim(kelly("float", f"{case} --csv one --json other", cwd=where).returncode == 0 and os.path.exists(f"{where}/other"), "two places are two places")
+        claim(sorted(os.listdir(where)) == ["here", "one", "other", "round", "sub", "three", "two"], f"left behind: {os.listdir(where)}")
 
 
 def check_help():

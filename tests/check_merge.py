@@ -16,6 +16,10 @@ import subprocess
 import sys
 import tempfile
 
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from second_opinion import crc32c  # noqa: E402
+
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 PROGRAM = {}
 count = {True: 0, False: 0}
@@ -50,7 +54,23 @@ def refused(args, folder, *words, real="float", status=2):
 
 def read(folder, name):
     with open(os.path.join(folder, name), "rb") as file:
-        return re.sub(rb'"seconds": [0-9.]+', b'"seconds": -', file.read())
+        return re.sub(rb'("seconds": )[0-9.]+|("crc32c": )"[0-9a-f]*"', rb"\1\2-", file.read())
+
+
+def bytes_of(folder, name):
+    with open(os.path.join(folder, name), "rb") as file:
+        return file.read()
+
+
+def put(folder, name, data):
+    with open(os.path.join(folder, name), "wb") as file:
+        file.write(data)
+
+
+def sealed(report):
+    """With the CRC at its end that it should have."""
+    text = report[:report.rindex(b'  "crc32c": ')]
+    return text + b'  "crc32c": "%08x"\n}\n' % crc32c(text)
 
 
 def part(folder, name, first, samples, more="", real="float", case=CASE):
@@ -85,6 +105,29 @@ def check_cut(folder):
         claim(done("merge p2.csv p0.csv p1.csv --csv -", folder, real).encode() == want[0], f"{real}: to stdout")
 
 
+def edits(folder, report):
+    """Any byte of a report to another; counts that could be, with a right CRC, which the lines contradict."""
+    for at, old in enumerate(report):
+        if old in b"0123456789abcdef":
+            put(folder, "b.json", report[:at] + (b"1" if old == ord("0") else b"0") + report[at + 1:])
+            if kelly("merge b.json", folder).returncode != 2:
+                claim(False, f"byte {at} of a report changed, {report[at - 30:at + 1]}: accepted")
+    for bad in (report.replace(b'"digest": "', b'"digest": "0')[:-1], re.sub(rb'  "crc32c": .*\n', b"", report).replace(b",\n}", b"\n}"), report + b"\n",
+                report.replace(b'"seconds": ', b'"seconds":  ')):
+        put(folder, "b.json", bad)
+        refused("merge a.json b.json c.json", folder, "b.json", "crc32c")
+    counts = json.loads(report)
+    for old, new, word in ((rb'"stuck": \d+', b'"stuck": %d' % (counts["stuck"] - 1), "stuck"), (rb'"liftoff": \d+', b'"liftoff": %d' % (counts["liftoff"] + 1), "liftoff"),
+                           (rb'"step": \d+, "range": \d+', b'"step": %d, "range": %d' % (counts["refused_by"]["step"] + 1, counts["refused_by"]["range"] - 1), "refused_by.")):
+        bad = re.sub(old, new, report, count=1)
+        put(folder, "b.json", bad)
+        refused("merge a.csv b.csv c.csv --csv x.csv", folder, "b.json", "crc32c")
+        put(folder, "b.json", sealed(bad))
+        done("merge a.json b.json c.json --quiet", folder)
+        refused("merge a.csv b.csv c.csv --csv x.csv", folder, "b.json", f'"{word}', "not what the lines of b.csv say")
+    put(folder, "b.json", report)
+
+
 def check_misfits(folder):
     """Gaps, overlaps, foreign runs, changed and missing files."""
     part(folder, "a", 0, 50)
@@ -117,25 +160,24 @@ def check_misfits(folder):
         refused("merge a.csv b.csv c.csv --csv x.csv --json x.json", folder, "b.csv", "not the file that b.json is of")
     with open(os.path.join(folder, "b.csv"), "wb") as file:
         file.write(text)
-    report = read(folder, "b.json").replace(b": -", b": 0.1")
+    report = bytes_of(folder, "b.json")
+    claim(sealed(report) == report, "the report ends with the CRC-32C of all before it")
+    edits(folder, report)
     part(folder, "until", 50, 300, "--until-width 0.5")
     refused("merge a.csv until.csv", folder, "stopped itself")
     for bad in (b"", b"{", b"[1]", report[:-3], report.replace(b'"samples": 30', b'"samples": 0'), report.replace(b'"digest"', b'"digset"'),
                 report.replace(b'"samples": 30', b'"samples": 30.5'), report.replace(b'"first": 50', b'"first": -1'), b"{" * 100000, report + b"\0x"):
-        with open(os.path.join(folder, "b.json"), "wb") as file:
-            file.write(bad)
+        put(folder, "b.json", sealed(bad) if b"crc32c" in bad and bad[-1:] == b"\n" else bad)
         refused("merge a.csv b.csv c.csv --csv x.csv", folder, "b.json")
     claim(b'"range"]' in report, "b has refused ones")
     for key, value in (("stuck", 31), ("refused", 31), ("refused", 0), ("liftoff", 31), ("step", 1000), ("nonfinite", 1), ("refused_first", [])):
-        with open(os.path.join(folder, "b.json"), "wb") as file:   # the first of that name; of ssi's, which comes later, below
-            file.write(re.sub(rb'"%s": ([0-9]+|\[\[.*\]\])' % key.encode(), b'"%s": %s' % (key.encode(), str(value).encode()), report, count=1))
+        bad = re.sub(rb'"%s": ([0-9]+|\[\[.*\]\])' % key.encode(), b'"%s": %s' % (key.encode(), str(value).encode()), report, count=1)
+        put(folder, "b.json", sealed(bad))   # the first of that name; of ssi's, which comes later, below
         refused("merge a.json b.json c.json", folder, "b.json", '"' + key.replace("step", "refused_by.step").replace("nonfinite", "refused"))
     for old, new in ((rb'("ssi": .*"stuck": )[0-9]+', rb"\g<1>31"), (rb'(refused_first": \[\[)[0-9]+', rb"\g<1>7"), (b'"range"\\]', b'"ok"]')):
-        with open(os.path.join(folder, "b.json"), "wb") as file:
-            file.write(re.sub(old, new, report, count=1))
+        put(folder, "b.json", sealed(re.sub(old, new, report, count=1)))
         refused("merge a.json b.json c.json", folder, "b.json")
-    with open(os.path.join(folder, "b.json"), "wb") as file:
-        file.write(re.sub(rb'"csv_crc32c": "[0-9a-f]*",', b"", report))
+    put(folder, "b.json", sealed(re.sub(rb'"csv_crc32c": "[0-9a-f]*",', b"", report)))
     refused("merge a.csv b.csv", folder, "without --csv")
     os.remove(os.path.join(folder, "b.json"))
     refused("merge a.csv b.csv", folder, "b.json is not beside it")
@@ -147,6 +189,12 @@ def check_misfits(folder):
     for args in ("merge", "merge --json x.json", "merge a.txt", "merge .csv", "merge a.csv --csv", "merge a.json --csv x.csv", "merge a.csv --seed 1",
                  "merge a.csv --csv x --json x", "merge a.csv --threads 2"):
         refused(args, folder)
+    for out in ("--csv a.csv --json a.json", "--csv x.csv --json a.json", "--csv ./a.csv", "--json a.csv", "--json a.json"):
+        before = read(folder, "a.csv"), read(folder, "a.json")
+        refused("merge a.csv " + out, folder, "is read here")
+        claim((read(folder, "a.csv"), read(folder, "a.json")) == before, f"merge a.csv {out}: the part stays as it is")
+    refused("merge a.json --json a.json", folder, "is read here")
+    refused("merge a.csv --csv x --json x.part", folder, "give each its own")
     refused("merge a.csv --csv nowhere/x.csv", folder, "cannot write", status=1)
 
 
@@ -164,6 +212,18 @@ def check_array(folder):
     run = subprocess.run(["sh", script, "run4", "103", "4"] + shlex.split(CASE), cwd=folder, env=env, capture_output=True, text=True, check=False)
     claim(run.returncode == 0 and read(folder, "run4.csv") == read(folder, "one.csv"), f"a part again: {run.stderr!r}")
     claim(subprocess.run(["sh", script], capture_output=True, check=False).returncode == 2, "usage")
+    before = {name: bytes_of(folder, name) for name in os.listdir(folder)}
+    for args, word in (("run4 103 5 " + CASE, "run4.study"), ("run4 104 4 " + CASE, "run4.study"), ("run4 103 4 " + CASE.replace("0.02", "0.021"), "run4.study"),
+                       ("run4 103 4 --seed 2 " + CASE, "103 samples in 4 parts --mu 0.02"), ("x 1e3 4", "SAMPLES '1e3'"), ("x 103 0", "PARTS '0'"), ("x 0 4", "SAMPLES"),
+                       ("x 103 4.5", "PARTS"), ("x -1 4", "SAMPLES"), ("x '' 4", "SAMPLES"), ("x 103 four", "PARTS"), ("x 010 4", "SAMPLES"), ("x 99999999999999999999 1", "SAMPLES")):
+        run = subprocess.run(["sh", script] + shlex.split(args), cwd=folder, env=env, capture_output=True, text=True, check=False)
+        claim(run.returncode == 2 and run.stderr.startswith("array.sh: ") and run.stderr.count("\n") == 1 and word in run.stderr, f"array.sh {args}: exit {run.returncode}, {run.stderr!r}")
+        claim({name: bytes_of(folder, name) for name in os.listdir(folder)} == before, f"array.sh {args}: leaves {set(os.listdir(folder)) - set(before)}")
+    spaced = os.path.join(folder, "two words *")
+    os.mkdir(spaced)
+    for again in (False, True):
+        run = subprocess.run(["sh", script, f"{spaced}/run", "103", "4"] + shlex.split(CASE), env=env, capture_output=True, text=True, check=False)
+        claim(run.returncode == 0 and read(spaced, "run.csv") == read(folder, "one.csv"), f"a directory with a space, again: {again}: {run.stderr!r}")
 
 
 def main():

@@ -11,6 +11,7 @@ import random
 import re
 import shlex
 import shutil
+import signal
 import struct
 import subprocess
 import sys
@@ -63,6 +64,10 @@ def write(path, data):
         file.write(data)
 
 
+def timeless(report):
+    return re.sub(rb'"seconds": [0-9.]+|"crc32c": "[0-9a-f]*"', b"", report)
+
+
 class Place:
     """A directory with the outputs of one run."""
 
@@ -86,10 +91,10 @@ class Place:
         return sorted(os.listdir(self.folder))
 
     def results(self):
-        """All that must be the same: every byte but those of the seconds."""
+        """All that must be the same: every byte but those of the seconds, and of the CRC over them."""
         if self.files() != ["run.csv", "run.json"]:
             return self.files()
-        return read(self.csv), re.sub(rb'"seconds": [0-9.]+', b'"seconds": -', read(self.json))
+        return read(self.csv), timeless(read(self.json))
 
     def alone(self, run, real="float"):
         done = self.run(run, real=real)
@@ -242,6 +247,14 @@ def check_truncated(folder):
         claim("torn" in resumed(place, SMALL, want, f"a bit of record {k} changed")[1], f"a bit of record {k} changed, and said")
 
 
+def forged(journal):
+    """With another result in record 4, and its right CRC: who uses it comes to other files."""
+    record = bytearray(records(journal)[4])
+    record[24] ^= 1                          # the lowest bit speed
+    record[-4:] = struct.pack("<I", crc32c(bytes(record[:-4])))
+    return journal[:HEADER + 4 * RECORD] + bytes(record) + journal[HEADER + 5 * RECORD:]
+
+
 def check_order(folder):
     """Records that are out of their place, twice there or left out are dropped with all behind them, and run again."""
     place, draws = Place(folder, "order"), random.Random(1)
@@ -255,10 +268,7 @@ def check_order(folder):
     for bad in (records(journal)[:7] + records(journal)[8:], records(journal)[:7] + records(journal)[6:]):
         only(place, journal[:HEADER] + b"".join(bad))
         claim("torn" in resumed(place, SMALL, want, "a record left out, or twice there")[1], "a record left out, or twice there: said")
-    forged = bytearray(records(journal)[4])
-    forged[24] ^= 1                          # the lowest bit speed
-    forged[-4:] = struct.pack("<I", crc32c(bytes(forged[:-4])))
-    only(place, journal[:HEADER + 4 * RECORD] + bytes(forged) + journal[HEADER + 5 * RECORD:])
+    only(place, forged(journal))
     place.run(SMALL + " --resume")
     claim(place.results() != want, "what the journal holds is not run again")
 
@@ -282,7 +292,7 @@ def check_commands(folder):
         want_files = sorted(f"run.{kind}" for kind in outputs)
 
         def results():
-            return place.files() == want_files and [re.sub(rb'"seconds": [0-9.]+', b"", read(f"{place.folder}/{f}")) for f in want_files]
+            return place.files() == want_files and [timeless(read(f"{place.folder}/{f}")) for f in want_files]
 
         claim(kelly(args, fault="any:1000000:kill", counted=counted).returncode == 0, f"{name}: ends")
         want, calls = results(), int(read(counted))
@@ -321,7 +331,33 @@ def check_foreign(folder):
         claim(kelly(args).returncode == 2, f"{args}: no file, no journal")
     only(place, journal)
     fresh = place.run(SMALL)
-    claim(fresh.returncode == 0 and "gave up 20 records" in fresh.stderr and place.results() == want, f"without --resume: {fresh.stderr!r}")
+    old = place.journal + ".old"
+    claim(fresh.returncode == 0 and "20 records of an earlier kelly montecarlo, now in" in fresh.stderr and old in fresh.stderr and fresh.stderr.count("\n") == 1,
+          f"without --resume: {fresh.stderr!r}")
+    claim(read(old) == journal and place.files() == ["run.csv", "run.csv.journal.old", "run.json"], f"the journal is kept: {place.files()}")
+    os.remove(old)
+    claim(place.results() == want, "without --resume it runs afresh")
+    only(place, b"KELLYJNL" + bytes(range(1, 201)))
+    write(old, journal)
+    torn = place.run(f"{SMALL} --resume")
+    claim(torn.returncode == 2 and read(old) == journal, f"an older one stays where nothing is begun: {torn.stderr!r}")
+    torn = place.run(SMALL)
+    claim(torn.returncode == 0 and "of an earlier kelly run, now" in torn.stderr and read(old) != journal, f"an older one is replaced: {torn.stderr!r}")
+    only(place, journal[:HEADER])
+    write(old, journal)
+    claim(place.run(SMALL).stderr == "" and read(old) == journal, "a journal without records is not worth keeping")
+    place.empty()
+    write(old, forged(journal))
+    again = place.run(f"{SMALL} --resume")
+    claim(again.returncode == 0 and read(old) == forged(journal), f"an older one stays: {again.stderr!r}, {place.files()}")
+    os.remove(old)
+    claim(place.results() == want, "--resume does not use an older one")
+    place.empty()
+    kelly(f"sensitivity {CASE} --samples 4 --json {place.csv} --quiet", fault="unlink:1:kill")
+    other = read(place.journal)
+    only(place, other)
+    fresh = place.run(SMALL)
+    claim("records of an earlier kelly sensitivity" in fresh.stderr and read(old) == other, f"another command's: {fresh.stderr!r}")
     place.empty()
     with subprocess.Popen([PROGRAM["float"]] + shlex.split(place.args(f"montecarlo {CASE} --samples 400000")), stderr=subprocess.DEVNULL) as first:
         while not (os.path.exists(place.journal) and os.path.getsize(place.journal) > HEADER):
@@ -332,6 +368,21 @@ def check_foreign(folder):
         claim(first.poll() is None, "the first goes on")
         first.kill()
     claim(place.files() == ["run.csv.journal", "run.csv.part", "run.json.part"], f"what a kill leaves: {place.files()}")
+
+
+def check_signals(folder):
+    """What asks a run to end leaves the journal and no half-written file."""
+    place = Place(folder, "signals")
+    want = place.alone(PIECES)
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):
+        place.empty()
+        with subprocess.Popen([PROGRAM["float"]] + shlex.split(place.args(f"montecarlo {CASE} --samples 400000")), cwd=folder) as process:
+            while not (os.path.exists(place.journal) and os.path.getsize(place.journal) > HEADER):
+                time.sleep(0.01)
+            process.send_signal(number)
+        claim(process.returncode == -number and place.files() == ["run.csv.journal"], f"{number!r}: exit {process.returncode}, left {place.files()}")
+    place.empty()
+    resumed(place, PIECES, want, "afterwards", quiet=True)
 
 
 def check_double(folder):

@@ -12,6 +12,7 @@ import concurrent.futures
 import json
 import math
 import os
+import re
 import statistics
 import subprocess
 import sys
@@ -138,12 +139,15 @@ def check_same_bits():
 
 
 def check_not_random():
-    """A parameter that is not random stays at its mean; the others move."""
-    out, status = rare(f"--mu 0.004 --rpm 200 --cov mu=0.2,rpm=0.2 --samples-per-level 1200 {COARSE}")
+    """A parameter that is not random is none that the failures tell of; the others move."""
+    args = f"--mu 0.004 --rpm 200 --cov mu=0.2,rpm=0.2 --samples-per-level 1200 {COARSE}"
+    out, status = rare(args)
     if claim(status == 0, f"two laws: {out.get('reason')}"):
         places = out["failures"]
-        claim(places["wob_kN"]["sd"] < 1e-4 and abs(places["wob_kN"]["mean"] - 100) < 1e-4, f"weight not random: {places['wob_kN']}")
-        claim(places["alpha1"]["sd"] < 1e-6 and places["mu"]["sd"] > 1e-5 and places["rpm"]["sd"] > 0.1, f"mu and rpm random: {places}")
+        claim(set(places) == {"mu", "rpm", "resonances", "count", "distinct"}, f"weight, alpha1 and alpha2 are not random: {places}")
+        claim(places["mu"]["sd"] > 1e-5 and places["rpm"]["sd"] > 0.1, f"mu and rpm random: {places}")
+        said = re.findall(r"^(\w+) .* 95 % of them", kelly(f"rare {args}").stdout, re.M)
+        claim(said == ["mu", "rpm"], f"the summary tells of the same: {said}")
 
 
 def check_refusals():

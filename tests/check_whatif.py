@@ -9,6 +9,7 @@ import argparse
 import json
 import os
 import random
+import re
 import shlex
 import shutil
 import subprocess
@@ -151,7 +152,18 @@ def check_laws_must_be_known(folder, path):
     refused(f"whatif --from {fixed} --rpm 110", "was not random")
     refused(f"whatif --from {fixed} --cov 0.2", "was not random")
     claim(whatif(fixed, "--cov mu=0.18")["ess"] > 100, "what was random can be changed")
+    before = [open(fixed[:-4] + end, "rb").read() for end in (".csv", ".json")]
+    for out in (fixed, fixed[:-4] + ".json", os.path.join(folder, ".", "fixed.csv")):
+        refused(f"whatif --from {fixed} --cov mu=0.18 --json {out}", "is read here")
+    claim([open(fixed[:-4] + end, "rb").read() for end in (".csv", ".json")] == before, "the run stays as it is")
+    for more in ("--until-width 0.2", "--until-decided 0.9", "--until-width 0.01 --samples 300"):
+        refused(f"whatif --from {stored(folder, 'until', f'{CASE} {more}')}", "stopped itself")
     text = open(path[:-4] + ".json", encoding="ascii").read()
+    other = os.path.join(folder, "older.json")
+    with open(other, "w", encoding="ascii") as file:
+        file.write(re.sub(r',\n  "crc32c": .*\n', "\n", text))
+    claim("crc32c" not in open(other, encoding="ascii").read().replace("csv_crc32c", ""), "a report without its CRC")
+    claim(done(f"whatif --from {alone} --case-json {other} --json -") == found, "a report without its CRC is read")
     other = os.path.join(folder, "other.json")
     for old, new, word in (('"mu": 0.00400000019', '"mu": 0.0041', "line 2: parameter 2"), ('"seed": 1,', '"seed": 2,', "line 2: parameter 1"),
                            ('"rpm": 0.200000003', '"rpm": 0.21', "line 2: parameter 5"), ('"first": 0', '"first": 1', "line 2: index 0"),

@@ -76,7 +76,8 @@ def check_torn(folder):
     claim(resumed(args, out)[0] == 0 and read(out) == want, "an index beyond the run is no record")
     write(out + ".journal", journal)
     fresh = kelly(f"map {args} --csv {out} --quiet")
-    claim(fresh.returncode == 0 and "gave up" in fresh.stderr and read(out) == want, f"without --resume a run starts afresh and says so: {fresh.stderr!r}")
+    claim(fresh.returncode == 0 and "of an earlier kelly map, now in" in fresh.stderr and read(out) == want and
+          read(out + ".journal.old") == journal, f"without --resume a run starts afresh and says so: {fresh.stderr!r}")
 
 
 def check_foreign(folder):

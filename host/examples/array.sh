@@ -4,16 +4,38 @@
 #   usage: array.sh OUT SAMPLES PARTS [case of kelly montecarlo]
 #
 # Here the parts run one after another. In a batch system each is a task of an array; what a task runs is the function `part`, e.g.
-# for Slurm with  #SBATCH --array=0-99  and  part "$SLURM_ARRAY_TASK_ID",  for PBS with $PBS_ARRAY_INDEX, for Grid Engine with $SGE_TASK_ID - 1.
-# A task that was killed or ran out of its time is simply started again: --resume goes on from its journal, and a task that had
-# come to its end is skipped: give every study an OUT of its own. No two parts share a realisation or a file, and the result does not
-# depend on how many there are.
+# for Slurm with  #SBATCH --array=0-99  and  part "$SLURM_ARRAY_TASK_ID" "$@",  for PBS with $PBS_ARRAY_INDEX, for Grid Engine with
+# $SGE_TASK_ID - 1. A task that was killed or ran out of its time is simply started again: --resume goes on from its journal, and a task
+# that had come to its end is skipped. OUT.study holds what it is of: another number or case with the same OUT is refused. No two parts
+# share a realisation or a file, and the result does not depend on how many there are.
 set -eu
+
+refuse() {
+    echo "array.sh: $*" >&2
+    exit 2
+}
+
+# A whole number 1..4294967295, as the shell computes with it.
+check_number() {
+    case $2 in
+    '' | *[!0-9]* | 0* | ???????????*) refuse "$1 '$2': not a whole number from 1 on; give e.g. 1000" ;;
+    esac
+}
 
 [ $# -ge 3 ] || { sed -n '4s/^# *//p' "$0" >&2; exit 2; }
 out=$1 samples=$2 parts=$3
 shift 3
 kelly=${KELLY:-kelly}
+check_number SAMPLES "$samples"
+check_number PARTS "$parts"
+
+# A line for each argument; made in one piece, whichever task comes first.
+study=$(printf '%s\n' "$samples samples in $parts parts" "$@")
+if [ ! -f "$out.study" ]; then
+    printf '%s\n' "$study" > "$out.study.$$"
+    mv "$out.study.$$" "$out.study"
+fi
+[ "$(cat "$out.study")" = "$study" ] || refuse "$out.study: of another study ($(tr '\n' ' ' < "$out.study")); give that one's arguments, or another OUT"
 
 # Realisations of part k: the first `samples % parts` parts have one more.
 part() {
@@ -29,12 +51,15 @@ part() {
 }
 
 k=0
-files=
 while [ "$k" -lt "$parts" ] && [ "$k" -lt "$samples" ]; do
     part "$k" "$@"
-    files="$files $out.$k.csv"
     k=$((k + 1))
 done
 
-# shellcheck disable=SC2086 # one word a file
-"$kelly" merge $files --csv "$out.csv" --json "$out.json"
+# The parts, one argument a file.
+set --
+while [ "$k" -gt 0 ]; do
+    k=$((k - 1))
+    set -- "$out.$k.csv" "$@"
+done
+"$kelly" merge "$@" --csv "$out.csv" --json "$out.json"

@@ -45,6 +45,7 @@ static void parse(int argc, char **argv, unsigned takes)
     options opts;
 
     options_parse(&opts, argc, argv, takes, "fuzz", own, 0);
+    check_indices(&opts);
     must(kelly_case_error(&kelly_string, &opts.run) == 0);
     must((uint64_t)opts.first + opts.samples <= (uint64_t)UINT32_MAX + 1 && opts.samples >= 1);
     must(opts.out_step > 0 && opts.out_ticks >= 1);
