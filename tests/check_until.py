@@ -94,7 +94,7 @@ def check_ends():
     run = montecarlo(f"--mu 0.04 {SHORT} --until-decided 0.5 --samples 1")
     claim(run["samples"] == 1 and run["sequence"]["stopped"] == "samples", "one realisation")
     run = montecarlo(f"--mu 0.004 {SHORT} --until-decided 0.9 --until-width 0.001 --first 4294966000")
-    claim(run["sequence"]["stopped"] == "decided" and run["sequence"]["samples_most"] == 1295, "at the end of the indices; the first that holds")
+    claim(run["sequence"]["stopped"] == "decided" and run["sequence"]["samples_most"] == 1296, "to the last of the indices; the first that holds")
     claim("sequence" not in montecarlo(f"{SHORT} --samples 5"), "no sequence where none was asked for")
     text = kelly(f"montecarlo --mu 0.004 {SHORT} --until-decided 0.9 --convergence").stdout
     claim("P is below the level" in text and "conv(1)" in text, f"the summary says why: {text!r}")
