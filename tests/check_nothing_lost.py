@@ -374,9 +374,16 @@ def check_signals(folder):
     """What asks a run to end leaves the journal and no half-written file."""
     place = Place(folder, "signals")
     want = place.alone(PIECES)
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT):
+    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
+
+    def heed():                              # a shell starts what runs in the background with some of them ignored, and kelly leaves it at that
+        for each in numbers:
+            signal.signal(each, signal.SIG_DFL)
+
+    for number in numbers:
         place.empty()
-        with subprocess.Popen([PROGRAM["float"]] + shlex.split(place.args(f"montecarlo {CASE} --samples 400000")), cwd=folder) as process:
+        with subprocess.Popen([PROGRAM["float"]] + shlex.split(place.args(f"montecarlo {CASE} --samples 400000")), cwd=folder,
+                              preexec_fn=heed) as process:
             while not (os.path.exists(place.journal) and os.path.getsize(place.journal) > HEADER):
                 time.sleep(0.01)
             process.send_signal(number)
