@@ -154,8 +154,9 @@ const command_help rare_help = {
     .synopsis = "[case] [--cov D] [--limit S] [--samples-per-level N] [--seed S] [--json F] [--resume]",
     .takes = TAKES_CASE | TAKES_JSON | TAKES_RESUME,
     .own = own_options,
-    .notes = "Takes 2400 realisations and 2160 more for each power of ten, and up to 240 at each resonance that failures may lie at. Where the first level already holds a tenth of\n"
-             "failures the answer is plain Monte Carlo, with the realisations of montecarlo for the same seed.\n"
+    .notes = "Takes 2400 realisations and 2160 more for each power of ten, and up to 240 at each resonance that failures may lie at. Where the\n"
+             "first level already holds a tenth of failures the answer is plain Monte Carlo, with the realisations of montecarlo for the same\n"
+             "seed.\n"
              "JSON: probability, ci95 (95 %, log-normal), cov (of the estimate), realisations, levels, acceptance of the moves of each\n"
              "level, refused (index: order of proposal), failures (where they lie in each parameter, and near which resonance), digest.\n"
              "Where the answer cannot be trusted there is none: exit 1, and `reason` says why: no failure, under 50 different ones or all from\n"

@@ -144,7 +144,7 @@ def check_not_random():
     out, status = rare(args)
     if claim(status == 0, f"two laws: {out.get('reason')}"):
         places = out["failures"]
-        claim(set(places) == {"mu", "rpm", "resonances", "count", "distinct"}, f"weight, alpha1 and alpha2 are not random: {places}")
+        claim(set(places) == {"mu", "rpm", "resonances", "count", "distinct", "finds"}, f"weight, alpha1 and alpha2 are not random: {places}")
         claim(places["mu"]["sd"] > 1e-5 and places["rpm"]["sd"] > 0.1, f"mu and rpm random: {places}")
         said = re.findall(r"^(\w+) .* 95 % of them", kelly(f"rare {args}").stdout, re.M)
         claim(said == ["mu", "rpm"], f"the summary tells of the same: {said}")

@@ -135,9 +135,9 @@ static void looks_at_resonances(void)
 
     fixture_case(&looked, 100000);
     looked.mu = R(0.004);
-    looked.w0 = R(12.0);                                   /* the third mode is at 13.85 rad/s */
+    looked.w0 = BY_LENGTH(R(13.85), R(12.0));              /* the third mode is at 13.85 rad/s */
     looked.f0 = R(95000.0);
-    looked.cov[4] = 0.05f;
+    looked.cov[4] = BY_LENGTH(0.01f, 0.05f);
     CHECK(kelly_rare_start(&rare, looked.cov, 1, n, samples, keys) == 0);
     kelly_rare_look(&rare, &hint, 2, W(1e-6), n / 10);
     EQUAL(rare.state, KELLY_RARE_DONE);
@@ -151,7 +151,7 @@ static void looks_at_resonances(void)
         float x[KELLY_PARAMETERS] = { 0 };
 
         kelly_rng_key(&rng, 5, j, 4);
-        x[4] = kelly_gamma_normal(&rng, 0.05f);
+        x[4] = kelly_gamma_normal(&rng, looked.cov[4]);
         above += kelly_rare_resonance(&hint, x, 2) > (float)looked.limit * 0.4f ? 1u : 0u;
     }
     p = (wide)above / (wide)draws;
@@ -172,6 +172,8 @@ static void compares_with_a_look(void)
 {
     const kelly_rare_hint hint = { .table = &kelly_string, .run = &looked };
 
+    looked.w0 = R(12.0);
+    looked.cov[4] = 0.05f;
     for (unsigned k = 0; k < 4; k++) {                     /* none, none but few, all, none but uncertain */
         const wide ratio[4] = { 8, W(0.19), 1, 8 };
         kelly_rare_seen seen = { .tried = 20, .failed = 10, .variance = k == 3 ? W(9.0) : W(0.01) };
