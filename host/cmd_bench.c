@@ -43,7 +43,7 @@ const command_help bench_help = {
     .own = bench_options,
     .also = mode_options,
     .notes = "Campaign: CSV, JSON, summary and digest of montecarlo, whichever board computed what; a board that goes away is waited for, its\n"
-             "range goes to others. OUTPUT.journal beside the CSV or the JSON holds what was delivered; --resume asks the boards only for the rest.\n"
+             "range goes to others. OUTPUT.journal beside the CSV or the JSON holds what was delivered; --resume asks boards only for the rest.\n"
              "The JSON names the boards, the CRC of the image in each one's flash, and the emulators' command lines.\n"
              "Lockstep: this program steps its own plant beside the board; a bit that differs ends it with exit 1. --drive soft there is a\n"
              "controller in this program, fed with the surface torque of the board.\n"
