@@ -141,7 +141,7 @@ def all_boards_gone():
         run.wait()
     yield run.status == 1 and "no board for 2 s" in run.err.splitlines()[-1], f"no board is left: {run.said}"
     left = [name for name in os.listdir(TEMPORARY.name) if name.startswith(os.path.basename(run.base))]
-    yield not left, f"nothing half-written: {left}"
+    yield left == [os.path.basename(run.csv) + ".journal"], f"nothing half-written, and the journal to go on from: {left}"
 
 
 def other_lines(kind):
