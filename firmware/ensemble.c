@@ -74,6 +74,9 @@ static void open_window(const kelly_table *table, const kelly_case *run, unsigne
     } else {
         kelly_block_watch(&work->block);
     }
+    if (kelly_table_head_error(table) != 0) {              /* it has changed since, and may lead anywhere: kelly_run_finish tells */
+        return;
+    }
     for (unsigned l = 0; l < count; l++) {
         if (results[l].status == KELLY_OK) {
             results[l].mean = twist(table, run, l, &results[l], work);
