@@ -72,7 +72,8 @@ int kelly_rare_failed(const kelly_rare_sample *sample)
     return sample->guide >= KELLY_RARE_FAILED;
 }
 
-/* Different ones among the ids of the failures, or of their finds; and how many they are in effect: F^2 / sum m_i^2. */
+/* Different ones among the ids of the failures, of which there are some, or of their finds; and how many they are in effect:
+ * F^2 / sum m_i^2. */
 static uint32_t count_different(kelly_rare *rare, int finds, float *in_effect)
 {
     uint32_t n = 0, different = 0, last = 0;
@@ -97,7 +98,7 @@ static uint32_t count_different(kelly_rare *rare, int finds, float *in_effect)
         last = id;
     }
     squares += same * same;
-    *in_effect = squares > 0.0f ? all * all / squares : 0.0f;
+    *in_effect = all * all / squares;
     return different;
 }
 

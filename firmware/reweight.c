@@ -65,9 +65,9 @@ static wide log_weight(const kelly_reweight *sums, const wide y[KELLY_PARAMETERS
 /* A weight in units of the largest, above which it is not. */
 static wide relative(wide log_w, wide top)
 {
-    const wide below = log_w - top;
+    const wide under = log_w - top;
 
-    return kelly_exp(below < 0 ? below : 0);
+    return kelly_exp(under < 0 ? under : 0);
 }
 
 /* A new largest weight: all sums in units of it. */

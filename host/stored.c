@@ -102,7 +102,11 @@ static char *read_all(const char *path)
         die(EXIT_USAGE, "%s: no JSON from character %ld on; give the JSON that the same run of montecarlo wrote", path, (long)n);
     }
     (void)fclose(from);
-    return text ? text : strdup("");
+    text = text ? text : strdup("");
+    if (!text) {
+        die(EXIT_FAILED, "%s: out of memory", path);
+    }
+    return text;
 }
 
 static double number_in(const found *f, unsigned k, double lo, double hi)

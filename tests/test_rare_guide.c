@@ -114,7 +114,7 @@ static void guesses_from_the_linear_string(void)
     CHECK(kelly_rare_guess(&hint, x) > -1e5f);
     run.fc = kelly_string.fc_max / 2;
     x[0] = 6.0f;                                           /* more weight than the table has */
-    CHECK(kelly_rare_guess(&hint, x) < -1e5f);
+    CHECK(kelly_rare_guess(&hint, x) < -1e5f && kelly_rare_resonance(&hint, x, 0) == 0);
     x[0] = -40.0f;                                         /* no gamma variable is negative */
     CHECK(kelly_rare_guess(&hint, x) < -1e5f);
     run.cov[1] = 0.5f;
@@ -165,6 +165,14 @@ static void looks_at_resonances(void)
     CHECK(kelly_rare_start(&rare, looked.cov, 1, n, samples, keys) == 0);
     kelly_rare_look(&rare, &hint, 9, W(1e-6), n / 10);     /* 54.8 rad/s: too rare */
     EQUAL(kelly_rare_count(&rare), 0);
+    CHECK(kelly_rare_start(&rare, looked.cov, 1, n, samples, keys) == 0);
+    kelly_rare_look(&rare, &hint, 2, W(1e-6), n);          /* more than it finds: all that it finds */
+    EQUAL(kelly_rare_count(&rare), rare.levels[rare.level].failed);
+    for (uint32_t i = 0; i < kelly_rare_count(&rare); i++) {
+        samples[i].guide = 0;
+    }
+    kelly_rare_see(&rare, &seen);
+    CHECK(seen.tried == kelly_rare_count(&rare) && seen.failed == 0 && seen.probability == 0);
 }
 
 /* An answer that has the failures a look has found stands, and one that lacks them does not, if they matter. */
@@ -172,14 +180,16 @@ static void compares_with_a_look(void)
 {
     const kelly_rare_hint hint = { .table = &kelly_string, .run = &looked };
 
+    const uint32_t n = BY_LENGTH(200, 2400);
+
     looked.w0 = R(12.0);
     looked.cov[4] = 0.05f;
     for (unsigned k = 0; k < 4; k++) {                     /* none, none but few, all, none but uncertain */
-        const wide ratio[4] = { 8, W(0.19), 1, 8 };
+        const wide ratio[4] = { 8, W(0.19), 1, 1 };
         kelly_rare_seen seen = { .tried = 20, .failed = 10, .variance = k == 3 ? W(9.0) : W(0.01) };
 
-        CHECK(simulate(PLANE, normals, 2.3263f, 3, 200));
-        for (uint32_t i = 0; i < 200; i++) {               /* at the mean, or where the third mode is */
+        CHECK(simulate(PLANE, normals, 2.3263f, 3, n));
+        for (uint32_t i = 0; i < n; i++) {                 /* at the mean, or where the third mode is */
             for (unsigned m = 0; m < KELLY_PARAMETERS; m++) {
                 samples[i].x[m] = 0.0f;
             }
@@ -189,7 +199,17 @@ static void compares_with_a_look(void)
         seen.probability = answer.probability * ratio[k];
         kelly_rare_compare(&rare, &hint, 2, &seen);
         EQUAL(rare.state, k == 0 ? KELLY_RARE_ELSEWHERE : KELLY_RARE_DONE);
+        if (k == 0) {                                      /* what is no answer stays none */
+            kelly_rare_compare(&rare, &hint, 2, &seen);
+            EQUAL(rare.state, KELLY_RARE_ELSEWHERE);
+        }
+        seen.failed = 0;
+        kelly_rare_compare(&rare, &hint, 2, &seen);
     }
+    EQUAL(rare.state, KELLY_RARE_DONE);                    /* nothing failed where the look was */
+    CHECK(simulate(PLANE, normals, 0.0f, 3, n));
+    kelly_rare_compare(&rare, &hint, 2, &(kelly_rare_seen){ .probability = 1, .variance = W(0.01), .tried = 20, .failed = 20 });
+    EQUAL(rare.state, KELLY_RARE_DONE);                    /* plain Monte Carlo sees all */
 }
 
 void test_rare_guide(void);
