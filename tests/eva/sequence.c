@@ -1,4 +1,5 @@
 /* sequence.h: any counts, even such as cannot be, any alpha in 0 .. 1, any rule. */
+#define EVA_LOG32
 #include "sequence.h"
 #include "contracts.h"
 
