@@ -7,7 +7,7 @@ A gate is a command whose last line is `N passed, N failed`. One that ends other
 says, counts as one failure and shows the end of what it printed. The last line here is the sum.
 
 What a gate has counted or measured it prints as `figure: WHAT: VALUE`; the figures of a whole group go to build/gates-GROUP.md,
-rows of the README's table. `test` is every gate of `make test`, `prove` what CI runs beside it, `campaign` what takes hours: its
+rows of the README's table. `test` is every gate of `make test`, `prove` what stands beside it, `campaign` what takes hours: its
 rows are kept in tests/campaign.md, with the commit that they are of.
 """
 import os
