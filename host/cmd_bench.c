@@ -10,7 +10,7 @@ static const option_help bench_options[] = {
     { "--port", "P", "a board: /dev/ttyACM0[,baud=N] (115200, 8N1), tcp:HOST:PORT, unix:PATH, or qemu:NAME, a target of linker/ in its emulator; "
       "a campaign takes several, of any kinds" },
     { "--mode", "campaign|lockstep|realtime|wits", "campaign (default): an ensemble, as montecarlo; lockstep: frame by frame beside this program, "
-      "equal bits demanded; realtime: on the board's own tick; wits: what a rig display would read" },
+      "equal bits demanded; realtime: on the board's own tick; wits: what a rig display would read, -9999 where the board has nothing to tell yet" },
     { "--image", "F.elf", "the image of the --port before it: its flash must be that file's (default for qemu: build/NAME/device.elf)" },
     { "--icount", "TEXT", "-icount of the emulator of the --port before it, e.g. shift=5,sleep=off: time by its instructions" },
     { "--give-up", "S", "seconds without any board after which the run fails (default 60)" },

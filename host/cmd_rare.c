@@ -230,8 +230,8 @@ int command_rare(int argc, char **argv)
         rare_print(s, list);
     }
     if (s->rare.state != KELLY_RARE_DONE) {
-        die(EXIT_FAILED, "rare: no answer after %u realisations in %u levels: %s", s->out.tally.samples, s->rare.level + 1,
-            kelly_rare_reason(s->rare.state));
+        die(EXIT_FAILED, "rare: no answer after %u realisations in %u level%s: %s", s->out.tally.samples, s->rare.level + 1,
+            s->rare.level > 0 ? "s" : "", kelly_rare_reason(s->rare.state));
     }
     free(list);
     return EXIT_DONE;

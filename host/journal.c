@@ -213,6 +213,8 @@ static void begin(journal *j, const uint8_t *have, size_t length, const uint8_t 
         set_aside(j, have);
     } else if (resume && length > 0) {
         fprintf(stderr, "kelly: %s: dropped a torn header of %zu bytes\n", j->path, length);
+    } else if (resume) {
+        fprintf(stderr, "kelly: %s: not there; this run starts from its beginning\n", j->path);
     }
     cut_to(j, 0);
     write_all(j, want, HEADER);
@@ -258,6 +260,7 @@ static void end_of_earlier(journal *j)
         fprintf(stderr, "kelly: %s: dropped a torn tail of %lld bytes\n", j->path, (long long)(size - end));
         cut_to(j, end);
     }
+    fprintf(stderr, "kelly: %s: goes on from %lu record%s\n", j->path, (unsigned long)j->next, j->next == 1 ? "" : "s");
 }
 
 int journal_next(journal *j, uint32_t *index, void *payload)
@@ -331,6 +334,9 @@ void journal_remove(journal *j)
 {
     if (!j->path) {
         return;
+    }
+    if (j->earlier) {      /* nothing was missing */
+        end_of_earlier(j);
     }
     if (unlink(j->path) != 0) {
         die(EXIT_FAILED, "%s: could not be removed: %s", j->path, strerror(errno));

@@ -44,7 +44,7 @@ uint32_t case_identity(const kelly_case *run);
 /* Open `output`.journal, locked. With `resume`, journal_next hands out what it holds; without, or where there is none, it begins anew, and a
  * journal with records, whose ever, becomes `output`.journal.old, in place of an older one. Nothing reads that: to go on from it, rename it.
  * Dies with exit 2 for a journal of another run or a file that is no journal (which is left as it is), with exit 1
- * where another process writes it or the file cannot be read or written. Says on stderr what it drops. */
+ * where another process writes it or the file cannot be read or written. Says on stderr what it drops and from where it goes on. */
 void journal_open(journal *j, const char *output, const journal_run *run, int resume);
 
 /* The next sound record of an earlier run, in the order in which they were written; 0: there is none any more, what was behind is cut

@@ -1,5 +1,6 @@
 /* main.c - the kelly command. */
 #include <errno.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "host.h"
@@ -51,6 +52,18 @@ static int written(int status)
     return status;
 }
 
+/* Under mpirun, this program without MPI: each rank does the whole. */
+static void tell_strangers(void)
+{
+#ifndef KELLY_MPI
+    const char *const size = getenv("OMPI_COMM_WORLD_SIZE"), *const rank = getenv("OMPI_COMM_WORLD_RANK");
+
+    if (size && strcmp(size, "1") != 0 && rank && strcmp(rank, "0") == 0) {
+        fprintf(stderr, "kelly: this program knows no MPI, each of the %s ranks does the whole; to share it: make mpi, then mpirun build/mpi/kelly\n", size);
+    }
+#endif
+}
+
 /* Run a subcommand. One that does not share its work is that of the first process of a team. */
 static int run(int argc, char **argv)
 {
@@ -62,6 +75,9 @@ static int run(int argc, char **argv)
     }
     if (team_rank() > 0 && !c->shared) {
         return EXIT_DONE;
+    }
+    if (c->shared) {
+        tell_strangers();
     }
     status = written(c->run(argc - 2, argv + 2));
     team_end();

@@ -204,9 +204,10 @@ void rare_print(const search *s, double *list)
 {
     outcome_print_case(&s->out);
     if (done(s)) {
-        printf("P(stick-slip) = %.3g   95 %% interval %.3g .. %.3g   coefficient of variation %.2f   (%s, %u levels, %u realisations)\n",
+        printf("P(stick-slip) = %.3g   95 %% interval %.3g .. %.3g   coefficient of variation %.2f   (%s, %u level%s, %u realisations)\n",
                (double)s->answer.probability, (double)s->answer.lo, (double)s->answer.hi, (double)s->answer.cov,
-               s->answer.plain ? "Monte Carlo" : "subset simulation", s->rare.level + 1, s->out.tally.samples);
+               s->answer.plain ? "Monte Carlo" : "subset simulation", s->rare.level + 1, s->rare.level > 0 ? "s" : "",
+               s->out.tally.samples);
         printf("where the %u failures of the last level lie (%u different):\n", s->rare.levels[s->rare.level].failed, s->rare.distinct);
         print_failures(s, list);
     }

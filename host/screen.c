@@ -5,14 +5,15 @@
 
 #include "host.h"
 
-/* An escape sequence ("1" bold, "0" plain, "31" red), or nothing where it does not belong: no terminal, NO_COLOR, a dumb one. */
+/* An escape sequence ("1" bold, "0" plain, "31" red), or nothing where it does not belong: no terminal, NO_COLOR, a dumb one, or mpirun's,
+ * which goes on to a file as it is. */
 const char *ink(FILE *to, const char *code)
 {
     static const char *const sequences[][2] = { { "0", "\033[0m" }, { "1", "\033[1m" }, { "31", "\033[1;31m" }, { "32", "\033[1;32m" },
                                                 { "33", "\033[1;33m" } };
     const char *const no = getenv("NO_COLOR"), *const term = getenv("TERM");
 
-    if ((no && *no) || !term || strcmp(term, "dumb") == 0 || !isatty(fileno(to))) {
+    if ((no && *no) || !term || strcmp(term, "dumb") == 0 || getenv("OMPI_COMM_WORLD_RANK") || !isatty(fileno(to))) {
         return "";
     }
     for (size_t i = 0; i < sizeof(sequences) / sizeof(sequences[0]); i++) {

@@ -123,6 +123,9 @@ def check_mistakes(folder):
     claim(run.returncode == 2 and run.stderr.count("kelly:") == 1, f"a mistake: exit {run.returncode}, {run.stderr!r}")
     run = kelly(2, "montecarlo --samples 10 --csv nowhere/x.csv", folder)
     claim(run.returncode == 1 and run.stderr.count("cannot write") == 1, f"no such directory: exit {run.returncode}, {run.stderr!r}")
+    said = [subprocess.run(["mpirun", "-n", str(ranks), PROGRAM["host"], "montecarlo", "--duration", "1", "--samples", "4"], capture_output=True, text=True, check=False, cwd=folder,
+                           env=environment()).stderr.count("kelly: this program knows no MPI") for ranks in (1, 2)]
+    claim(said == [0, 1], f"the program without MPI under mpirun says so once: {said}")
 
 
 def ranks_of(parent):

@@ -102,9 +102,10 @@ class Place:
         return self.results()
 
 
-def resumed(place, run, want, what, quiet=False, real="float"):
+def resumed(place, run, want, what, whole=False, real="float"):
+    """Go on, as the one that was left alone has ended; `whole`: with nothing to be dropped."""
     again = place.run(run + " --resume", real=real)
-    good = again.returncode == 0 and place.results() == want and (not quiet or again.stderr == "")
+    good = again.returncode == 0 and place.results() == want and (not whole or "dropped" not in again.stderr)
     return claim(good, f"{what}: after --resume exit {again.returncode}, {again.stderr!r}, files {place.files()}"), again.stderr
 
 
@@ -231,8 +232,11 @@ def check_truncated(folder):
     for cut in range(len(journal) + 1):
         only(place, journal[:cut])
         whole = cut == 0 or (cut >= HEADER and (cut - HEADER) % RECORD == 0)
-        said = resumed(place, SMALL, want, f"cut to {cut} bytes", quiet=whole)[1]
+        said = resumed(place, SMALL, want, f"cut to {cut} bytes", whole=whole)[1]
         claim(whole or "torn" in said, f"cut to {cut} bytes: {said!r}")
+        number = (cut - HEADER) // RECORD
+        starts = "starts from its beginning" in said if cut == 0 else f"goes on from {number} record{'s' * (number != 1)}\n" in said if cut >= HEADER else "torn header" in said
+        claim(starts, f"cut to {cut} bytes, where it goes on: {said!r}")
     FIGURES["truncations of a journal, one at every byte, survived"] = len(journal) + 1
     # what is appended behind a torn tail is sound: a second interruption finds all of it
     for cut in (50, HEADER + 20, HEADER + 5 * RECORD + 11, len(journal) - 1):
@@ -389,7 +393,7 @@ def check_signals(folder):
             process.send_signal(number)
         claim(process.returncode == -number and place.files() == ["run.csv.journal"], f"{number!r}: exit {process.returncode}, left {place.files()}")
     place.empty()
-    resumed(place, PIECES, want, "afterwards", quiet=True)
+    resumed(place, PIECES, want, "afterwards", whole=True)
 
 
 def check_double(folder):

@@ -57,8 +57,6 @@ def check_measured():
     given = plan(f"{CASE} --samples 1000000 --cores 10 --startup 3 --message 7 --way 11", 2)["mpi"]
     claim([given[k] for k in ("startup_s", "message_s", "way_s")] == [3, 7e-6, 1.1e-5], f"{given}")
     claim(not plan(f"{CASE} --samples 1000 --cores 10")["mpi"]["measured"], "alone they are assumed")
-    rows = {r["cores"]: r["simulated_s"] for r in plan("--mu 0.004 --cores 10000", 2)["rows"]}
-    print(f"figure: kelly plan, 1e9 realisations on 1 / 100 / 10000 cores, simulated: {rows[1] / 86400:.1f} days / {rows[100] / 3600:.2f} h / {rows[10000] / 60:.1f} min")
 
 
 def check_mistakes():

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """gates.py - run the gates of a group, as many side by side as there are processors.
 
-usage: tests/gates.py test|prove|campaign [NAME...]
+usage: tests/gates.py test|prove|campaign [NAME...]     with names: those gates alone, and their figures printed
 
 A gate is a command whose last line is `N passed, N failed`. One that ends otherwise, or with another status than its line
 says, counts as one failure and shows the end of what it printed. The last line here is the sum.
@@ -12,6 +12,7 @@ rows are kept in tests/campaign.md, with the commit that they are of.
 """
 import os
 import re
+import signal
 import subprocess
 import sys
 import threading
@@ -82,12 +83,14 @@ def run_gate(name):
     """-> (passed, failed, seconds, rows of figures, tail of the output)"""
     group, timeout, command = GATES[name]
     start = time.monotonic()
-    try:
-        done = subprocess.run(command, shell=True, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                              timeout=timeout, check=False)
-        output, status = done.stdout.decode(errors="replace"), done.returncode
-    except subprocess.TimeoutExpired as error:
-        output, status = (error.stdout or b"").decode(errors="replace") + f"\nno end after {timeout} s", 124
+    with subprocess.Popen(command, shell=True, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, start_new_session=True) as gate:
+        try:
+            output, status = gate.communicate(timeout=timeout)[0], gate.returncode
+        except subprocess.TimeoutExpired:
+            os.killpg(gate.pid, signal.SIGKILL)   # a gate that hangs takes what it started with it
+            output, status = gate.communicate()[0] + f"\nno end after {timeout} s".encode(), 124
+    output = output.decode(errors="replace")
     lines = output.strip().splitlines() or [""]
     figures = [FIGURE.fullmatch(line) for line in lines]
     figures = [f"| {f[1]} | {f[2]} | `make {group}`, {name} |" for f in figures if f]
@@ -125,9 +128,11 @@ def main():
     if len(sys.argv) < 2 or sys.argv[1] not in GROUPS:
         sys.exit(__doc__)
     group, only = sys.argv[1], sys.argv[2:]
-    names = [n for n in GATES if GATES[n][0] == group and (not only or n in only)]
-    if not names:
-        sys.exit("gates: nothing of that name; there are: " + ", ".join(n for n in GATES if GATES[n][0] == group))
+    names = [n for n in GATES if GATES[n][0] == group]
+    unknown = [n for n in only if n not in names]
+    if unknown:
+        sys.exit(f"gates: {group} has no gate {', '.join(unknown)}; it has: {', '.join(names)}")
+    names = [n for n in names if not only or n in only]
     for real in ("float", "double"):   # built once, before gates that run side by side would build it twice
         for goal in ("all", "unit"):
             subprocess.run(["make", "-s", f"-j{os.cpu_count()}", goal, f"REAL={real}"], cwd=ROOT, check=True)
@@ -139,9 +144,12 @@ def main():
         worker.start()
     for worker in workers:
         worker.join()
-    if not only:
+    rows = [row + "\n" for n in names for row in board.figures[n]]
+    if only:
+        sys.stdout.writelines(rows)
+    else:
         with open(os.path.join(ROOT, "build", f"gates-{group}.md"), "w") as file:
-            file.writelines(row + "\n" for n in names for row in board.figures[n])
+            file.writelines(rows)
     print(f"{board.passed} passed, {board.failed} failed")
     return board.failed != 0
 

@@ -6,8 +6,8 @@
 # Here the parts run one after another. In a batch system each is a task of an array; what a task runs is the function `part`, e.g.
 # for Slurm with  #SBATCH --array=0-99  and  part "$SLURM_ARRAY_TASK_ID" "$@",  for PBS with $PBS_ARRAY_INDEX, for Grid Engine with
 # $SGE_TASK_ID - 1. A task that was killed or ran out of its time is simply started again: --resume goes on from its journal, and a task
-# that had come to its end is skipped. OUT.study holds what it is of: another number or case with the same OUT is refused. No two parts
-# share a realisation or a file, and the result does not depend on how many there are.
+# that had come to its end is skipped. OUT.study holds what it is of: another number or case with the same OUT is refused, and so are
+# parts without it. No two parts share a realisation or a file, and the result does not depend on how many there are.
 set -eu
 
 refuse() {
@@ -32,6 +32,9 @@ check_number PARTS "$parts"
 # A line for each argument; made in one piece, whichever task comes first.
 study=$(printf '%s\n' "$samples samples in $parts parts" "$@")
 if [ ! -f "$out.study" ]; then
+    for left in "$out".[0-9]*.csv "$out".[0-9]*.csv.journal; do
+        [ ! -f "$left" ] || [ -f "$out.study" ] || refuse "$left: a part of an unknown study, as $out.study is not there; move it away, or give another OUT"
+    done
     printf '%s\n' "$study" > "$out.study.$$"
     mv "$out.study.$$" "$out.study"
 fi
@@ -47,7 +50,8 @@ part() {
     if [ -f "$out.$k.csv" ] && [ -f "$out.$k.json" ] && [ ! -f "$out.$k.csv.journal" ]; then
         return 0
     fi
-    "$kelly" montecarlo "$@" --first "$first" --samples "$count" --csv "$out.$k.csv" --json "$out.$k.json" --quiet --resume
+    [ ! -f "$out.$k.csv.journal" ] || set -- "$@" --resume
+    "$kelly" montecarlo "$@" --first "$first" --samples "$count" --csv "$out.$k.csv" --json "$out.$k.json" --quiet
 }
 
 k=0
