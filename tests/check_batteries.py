@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """check_batteries - dieharder on the words that firmware/random.h makes. No p below 1e-6 or above 1 - 1e-6. Hours.
 
-usage: tests/check_batteries.py [--only NAME,...] [STREAM...]
+usage: tests/check_batteries.py [--only TEST,...] [STREAM...]     TEST: its number in dieharder -l
 
 Needs build/host/random-stream and Debian's dieharder. Each stream is one run of the generator that all tests read from on. A p
 that dieharder calls weak is taken again with more samples until it is not, or fails (-Y 1); what is printed is that of all samples,
@@ -61,7 +61,7 @@ def battery(name, only):
     source, ps = stream(*STREAMS[name]), []
     try:
         for test, sizes in TESTS:
-            if only and str(test) not in only:
+            if str(test) not in only:
                 continue
             rows = [row for size in sizes or (None,) for row in dieharder(source.stdout, test, size)]
             claim(rows, f"{name}: dieharder -d {test} gives a p")
@@ -90,9 +90,13 @@ def main():
     parser.add_argument("--only")
     parser.add_argument("streams", nargs="*")
     args = parser.parse_args()
+    only = args.only.split(",") if args.only else [str(test) for test, _ in TESTS]
+    strangers = sorted(set(only) - {str(test) for test, _ in TESTS}) + sorted(set(args.streams) - set(STREAMS))
+    if strangers:
+        parser.error(f"{', '.join(strangers)}: no test or stream of this battery")
     check_power()
     for name in args.streams or STREAMS:
-        ps = battery(name, args.only and args.only.split(","))
+        ps = battery(name, only)
         if ps:
             print(f"figure: dieharder, {name}: {len(ps)} p, least {min(ps):.6f}, most {max(ps):.6f}", flush=True)
     print(f"{count[True]} passed, {count[False]} failed")
