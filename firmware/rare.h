@@ -22,7 +22,7 @@
  *             that looks 25 degrees aside, 0.29 with none, 0.37 with one that points the other way.
  *
  * One region. Where failures lie in two places, the guide leads to one of them, and the answer would be that of this one, or of the chance
- * by which a sample of an early level lay in the other. Two things are looked at, and an answer that they contradict is none:
+ * by which a sample of an early level lay in the other. Three things are looked at, and an answer that they contradict is none:
  *
  *     finds   a find is a failure that was proposed from a sample that was none; its copies and what was proposed from it descend from it.
  *             With m_i of the last level's F failures from find i there are F^2 / sum m_i^2 of them in effect, at least KELLY_RARE_FINDS.
@@ -30,6 +30,8 @@
  *             for draws where it exceeds 0.4 limit. It goes where f_a meets the mode, and ends where that is far rarer than the
  *             answer; some of what it ends with are run. P of the look times the share that fails is P of the failures there. Where
  *             the search has less of them by 2.33 standard deviations of both (1 %), and by a fifth of its answer, it has missed them.
+ *     limit   Where it is less than 1.5 times the ss of the linear string at the means, failures come by ripples of ss of which neither
+ *             guide nor hint knows: 3 times too few were found at 1.25 times, all at 1.6 times.
  *
  * A first level with n / 10 failures is plain Monte Carlo, and read as such: its draws are those of kelly_run for the same seed.
  *
@@ -74,10 +76,11 @@ typedef enum {
     KELLY_RARE_DEEP,                    /* more than KELLY_RARE_LEVELS levels */
     KELLY_RARE_LUCK,                    /* under KELLY_RARE_FINDS finds */
     KELLY_RARE_ELSEWHERE,               /* kelly_rare_compare: failures were missed */
+    KELLY_RARE_NEAR,                    /* kelly_rare_doubt: the limit is hardly more than what the string does anyway */
     KELLY_RARE_UNKNOWN                  /* draws were refused, in a place that failures may share: no rejected move */
 } kelly_rare_state;
 
-#define KELLY_RARE_OUTCOMES 10
+#define KELLY_RARE_OUTCOMES 11
 
 typedef struct {
     float guide;                        /* of the next event; KELLY_RARE_FAILED in the last level */
@@ -159,6 +162,9 @@ void kelly_rare_see(const kelly_rare *look, kelly_rare_seen *seen);
 /* A run that is KELLY_RARE_DONE, not plain, becomes KELLY_RARE_ELSEWHERE where a look has seen more. */
 void kelly_rare_compare(kelly_rare *rare, const kelly_rare_hint *hint, unsigned mode, const kelly_rare_seen *seen);
 
+/* A run that is KELLY_RARE_DONE, not plain, becomes KELLY_RARE_NEAR where its limit is. Not for a plane. */
+void kelly_rare_doubt(kelly_rare *rare, const kelly_rare_hint *hint);
+
 /* For rare.c: P of the present level's event. */
 wide kelly_rare_product(const kelly_rare *rare);
 
@@ -180,6 +186,9 @@ float kelly_rare_guide(const kelly_table *table, const kelly_case *run, const ke
 
 /* ss of the linear string at x as if it had this mode alone; 0 where x cannot be run. Not for a plane. */
 float kelly_rare_resonance(const kelly_rare_hint *hint, const float x[KELLY_PARAMETERS], unsigned mode);
+
+/* ss of the linear string at the means; 0 where they cannot be run. Not for a plane. */
+float kelly_rare_own(const kelly_rare_hint *hint);
 
 /* Logarithm of the hint for that guide at x, from any scale; far below all others where x cannot be run. Some 40 operations a mode. */
 float kelly_rare_guess(const kelly_rare_hint *hint, const float x[KELLY_PARAMETERS]);

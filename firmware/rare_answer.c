@@ -47,7 +47,9 @@ const char *kelly_rare_reason(kelly_rare_state state)
         "fewer than 50 different failures in the last level: give more samples a level",
         "fewer than a tenth of the moves of a level were accepted: give more samples a level",
         "more than 12 levels", "the failures descend from few finds, in a place that the search does not lead to: give montecarlo, or more samples a level",
-        "failures lie in more than one place, and the search has missed some: give montecarlo", "realisations were refused that may be failures: give a shorter step",
+        "failures lie in more than one place, and the search has missed some: give montecarlo",
+        "the limit is less than 1.5 times the ss that the string has anyway, where the search knows too little: give montecarlo, or a higher limit",
+        "realisations were refused that may be failures: give a shorter step",
     };
 
     return (unsigned)state < KELLY_RARE_OUTCOMES ? reasons[state] : "no such state";

@@ -115,20 +115,40 @@ static int place(const kelly_rare_hint *hint, const float x[KELLY_PARAMETERS], u
     return 1;
 }
 
-float kelly_rare_guess(const kelly_rare_hint *hint, const float x[KELLY_PARAMETERS])
+/* ss of the linear string, and R. 0 where x cannot be run. */
+static int linear(const kelly_rare_hint *hint, const float x[KELLY_PARAMETERS], real *ss, real *ratio)
 {
     kelly_modes modes;
     kelly_draw y;
-    real slope, pull, ss;
+    real slope, pull;
+
+    if (!place(hint, x, hint->run->torsional, &y, &modes, &slope, &pull)) {
+        return 0;
+    }
+    *ss = forced(hint->table, hint->run, &y, &modes, 0, slope, pull) + swing(hint->table, hint->run, &y, &modes, slope, pull);
+    *ratio = ratio_of(hint->table, &modes, slope);
+    return 1;
+}
+
+float kelly_rare_guess(const kelly_rare_hint *hint, const float x[KELLY_PARAMETERS])
+{
+    real ss, ratio;
 
     if (hint->plane) {
         return above_plane(hint->plane, x);
     }
-    if (!place(hint, x, hint->run->torsional, &y, &modes, &slope, &pull)) {
+    if (!linear(hint, x, &ss, &ratio)) {
         return OUT_OF_REACH;
     }
-    ss = forced(hint->table, hint->run, &y, &modes, 0, slope, pull) + swing(hint->table, hint->run, &y, &modes, slope, pull);
-    return 4.0f * kelly_log32((float)ratio_of(hint->table, &modes, slope)) + kelly_log32((float)ss);
+    return 4.0f * kelly_log32((float)ratio) + kelly_log32((float)ss);
+}
+
+float kelly_rare_own(const kelly_rare_hint *hint)
+{
+    static const float means[KELLY_PARAMETERS] = { 0.0f };
+    real ss, ratio;
+
+    return linear(hint, means, &ss, &ratio) ? (float)ss : 0.0f;
 }
 
 float kelly_rare_resonance(const kelly_rare_hint *hint, const float x[KELLY_PARAMETERS], unsigned mode)

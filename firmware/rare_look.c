@@ -4,6 +4,7 @@
 
 #define NEARLY R(0.4)            /* of the limit: from there on other modes and the rock may do the rest */
 #define SURE W(2.33)             /* standard deviations: 1 % on one side */
+#define APART 1.5f               /* limit over the ss that the string has anyway */
 #define MATTERS W(0.2)           /* of the answer, that may be missed */
 
 /* Probability of the event that the samples of the present level are of. */
@@ -81,6 +82,13 @@ static wide share_seen(const kelly_rare *rare, const kelly_rare_hint *hint, unsi
     share = (wide)seen / (wide)failed;
     *most = share + SURE * (wide)kelly_sqrt32((float)(share * (1 - share) / (wide)rare->finds)) + W(3.0) / (wide)rare->finds;
     return share;
+}
+
+void kelly_rare_doubt(kelly_rare *rare, const kelly_rare_hint *hint)
+{
+    if (rare->state == KELLY_RARE_DONE && rare->level > 0 && (float)hint->run->limit < APART * kelly_rare_own(hint)) {
+        rare->state = KELLY_RARE_NEAR;
+    }
 }
 
 void kelly_rare_compare(kelly_rare *rare, const kelly_rare_hint *hint, unsigned mode, const kelly_rare_seen *seen)

@@ -126,6 +126,7 @@ static void run_search(search *s)
     }
     if (s->rare.state == KELLY_RARE_DONE && s->rare.level > 0) {
         look_again(s, &hint);
+        kelly_rare_doubt(&s->rare, &hint);
     }
     team_dismiss();
     if (s->rare.state == KELLY_RARE_DONE) {
@@ -160,9 +161,9 @@ const command_help rare_help = {
              "JSON: probability, ci95 (95 %, log-normal), cov (of the estimate), realisations, levels, acceptance of the moves of each\n"
              "level, refused (index: order of proposal), failures (where they lie in each parameter, and near which resonance), digest.\n"
              "Where the answer cannot be trusted there is none: exit 1, and `reason` says why: no failure, under 50 different ones or all from\n"
-             "few finds, failures at a resonance that the search has missed (JSON: look), moves hardly accepted, more than 12 levels, P below\n"
-             "1e-9, or realisations refused that may be failures. Not looked for: failures apart that no resonance explains, as where the\n"
-             "limit lies but little above the ss that the string has anyway.\n"
+             "few finds, failures at a resonance that the search has missed (JSON: look), a limit below 1.5 times the ss that the string has\n"
+             "anyway, moves hardly accepted, more than 12 levels, P below 1e-9, or realisations refused that may be failures. Not looked for:\n"
+             "failures apart that no resonance explains.\n"
              "F.json.journal beside the JSON holds what is done and goes when all is written.",
     .example = "kelly rare --mu 0.004 --rpm 200 --cov 0.1 --json rare.json",
 };

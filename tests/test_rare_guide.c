@@ -66,8 +66,8 @@ static void guides_by_the_negative_damping(void)
     CHECK(kelly_rare_guide(&kelly_string, &run, &r) == KELLY_RARE_REFUSED);
 }
 
-/* Logarithm of R^4 (forced + swing) at the means of a case by rare.h, otherwise than rare_guide.c: H is 1 / sum of admittances in wide. */
-static wide log_guess(const kelly_case *run)
+/* ss = forced + swing, and R, at the means of a case by rare.h, otherwise than rare_guide.c: H is 1 / sum of admittances in wide. */
+static wide linear_ss(const kelly_case *run, wide *ratio)
 {
     const wide w = (wide)run->w0, q = (wide)run->a2 * w * w, up = kelly_exp(w), down = kelly_exp(-w), t = (up - down) / (up + down);
     const wide slope = (wide)run->mu * (wide)run->fc * ((wide)run->a1 * (q - 1) / ((1 + q) * (1 + q)) - (1 - t * t));
@@ -91,7 +91,8 @@ static wide log_guess(const kelly_case *run)
     decay = kelly_exp(-64 * kelly_log(x < W(0.95) ? W(0.95) : x > 2 ? 2 : x));
     swing = run->rotating ? b1 * b1 * (wide)run->mu * (wide)run->fc * pull / textbook_sqrt((wide)modes.w2[0]) / w : fixture_abs((wide)modes.d[0]) * b1;
     x = b1 * b1 * slope / c1;
-    return 4 * kelly_log(x > W(1e-6) ? x : W(1e-6)) + kelly_log(forced + decay * swing);
+    *ratio = x > W(1e-6) ? x : W(1e-6);
+    return forced + decay * swing;
 }
 
 /* Negative and positive damping, short and long runs, from rest and turning; beyond the laws or the table: far below all others. */
@@ -101,6 +102,7 @@ static void guesses_from_the_linear_string(void)
     float x[KELLY_PARAMETERS] = { 0 };
     kelly_case run;
     const kelly_rare_hint hint = { .table = &kelly_string, .run = &run };
+    wide ss, ratio;
 
     fixture_case(&run, 100000);
     run.mu = R(0.004);
@@ -108,7 +110,9 @@ static void guesses_from_the_linear_string(void)
         run.w0 = speeds[k / 4];
         run.rotating = k & 1u;
         run.window_first = (k & 2u) != 0 ? 2000000 : 50000;
-        CLOSE((wide)kelly_rare_guess(&hint, x), log_guess(&run), W(2e-3));
+        ss = linear_ss(&run, &ratio);
+        CLOSE((wide)kelly_rare_guess(&hint, x), 4 * kelly_log(ratio) + kelly_log(ss), W(2e-3));
+        CLOSE((wide)kelly_rare_own(&hint) / ss, 1, W(1e-3));
     }
     run.cov[0] = 0.5f;
     CHECK(kelly_rare_guess(&hint, x) > -1e5f);
@@ -184,8 +188,8 @@ static void compares_with_a_look(void)
 
     looked.w0 = R(12.0);
     looked.cov[4] = 0.05f;
-    for (unsigned k = 0; k < 4; k++) {                     /* none, none but few, all, none but uncertain */
-        const wide ratio[4] = { 8, W(0.19), 1, 1 };
+    for (unsigned k = 0; k < 5; k++) {                     /* none, none but few, all, none but uncertain, half, which may be more */
+        const wide ratio[5] = { 8, W(0.19), 1, 1, W(0.95) };
         kelly_rare_seen seen = { .tried = 20, .failed = 10, .variance = k == 3 ? W(9.0) : W(0.01) };
 
         CHECK(simulate(PLANE, normals, 2.3263f, 3, n));
@@ -193,7 +197,7 @@ static void compares_with_a_look(void)
             for (unsigned m = 0; m < KELLY_PARAMETERS; m++) {
                 samples[i].x[m] = 0.0f;
             }
-            samples[i].x[4] = k == 2 ? 2.95f : 0.0f;
+            samples[i].x[4] = k == 2 || (k == 4 && i % 2 == 1) ? 2.95f : 0.0f;
         }
         CHECK((kelly_rare_resonance(&hint, samples[0].x, 2) > (float)looked.limit * 0.4f) == (k == 2));
         seen.probability = answer.probability * ratio[k];
@@ -212,6 +216,29 @@ static void compares_with_a_look(void)
     EQUAL(rare.state, KELLY_RARE_DONE);                    /* plain Monte Carlo sees all */
 }
 
+/* A limit that the string comes near anyway is doubted, but not what plain Monte Carlo has seen, nor what is no answer. */
+static void doubts_a_limit_that_is_near(void)
+{
+    const kelly_rare_hint hint = { .table = &kelly_string, .run = &looked };
+    const uint32_t n = BY_LENGTH(200, 2400);
+    float own;
+
+    fixture_case(&looked, 100000);
+    looked.mu = R(0.004);
+    looked.w0 = R(12.0);
+    own = kelly_rare_own(&hint);
+    CHECK(own > 0.05f && own < 0.5f);
+    for (unsigned k = 0; k < 4; k++) {                     /* near; not near; near, but plain; near, but no answer */
+        looked.limit = (real)own * (k == 1 ? R(1.51) : R(1.49));
+        CHECK(simulate(PLANE, normals, k == 2 ? 0.0f : 2.3263f, 3, n));
+        rare.state = k == 3 ? KELLY_RARE_FEW : rare.state;
+        kelly_rare_doubt(&rare, &hint);
+        EQUAL(rare.state, k == 0 ? KELLY_RARE_NEAR : k == 3 ? KELLY_RARE_FEW : KELLY_RARE_DONE);
+    }
+    looked.fc = kelly_string.fc_max * R(2.0);              /* beyond the table */
+    CHECK(kelly_rare_own(&hint) == 0);
+}
+
 void test_rare_guide(void);
 void test_rare_guide(void)
 {
@@ -221,4 +248,5 @@ void test_rare_guide(void)
     guesses_from_the_linear_string();
     looks_at_resonances();
     compares_with_a_look();
+    doubts_a_limit_that_is_near();
 }
