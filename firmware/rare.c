@@ -72,8 +72,7 @@ int kelly_rare_failed(const kelly_rare_sample *sample)
     return sample->guide >= KELLY_RARE_FAILED;
 }
 
-/* Different ones among the ids of the failures, of which there are some, or of their finds; and how many they are in effect:
- * F^2 / sum m_i^2. */
+/* Different ones among the ids of the failures, or of their finds; and how many they are in effect: F^2 / sum m_i^2. */
 static uint32_t count_different(kelly_rare *rare, int finds, float *in_effect)
 {
     uint32_t n = 0, different = 0, last = 0;
@@ -98,7 +97,7 @@ static uint32_t count_different(kelly_rare *rare, int finds, float *in_effect)
         last = id;
     }
     squares += same * same;
-    *in_effect = all * all / squares;
+    *in_effect = squares > 0.0f ? all * all / squares : 0.0f;
     return different;
 }
 
@@ -136,7 +135,7 @@ static uint32_t count_pairs(const kelly_rare *rare, uint32_t lag, float guide)
 }
 
 /* Samples in the event above `guide`, and the squared coefficient of variation of their share: (1 - p) / (p n) (1 + gamma),
- * gamma = 2 sum (1 - k / states) r(k) from the correlations r along the chains. Where all are inside there is no spread. */
+ * gamma = 2 sum (1 - k / states) r(k) from the correlations r along the chains. Where all are inside, or none, there is no spread. */
 static void measure(kelly_rare *rare, float guide)
 {
     kelly_rare_level *const level = now(rare);
@@ -145,7 +144,7 @@ static void measure(kelly_rare *rare, float guide)
     level->guide = guide;
     level->inside = count_pairs(rare, 0, guide);
     level->variance = 0;
-    if (level->inside == rare->n) {
+    if (level->inside == rare->n || level->inside == 0) {
         return;
     }
     p = (wide)level->inside / (wide)rare->n;
@@ -369,7 +368,7 @@ const char *kelly_rare_start(kelly_rare *rare, const float cov[KELLY_PARAMETERS]
     unsigned laws = 0;
 
     for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
-        laws += cov[k] > 0.0f;
+        laws += cov[k] >= KELLY_RARE_COV;
     }
     if (n < KELLY_RARE_MIN || n > KELLY_RARE_MAX || n % (QUARTERS * KELLY_RARE_STATES) != 0) {
         return "samples a level must be a multiple of 40 in 200..1000000";
@@ -379,7 +378,7 @@ const char *kelly_rare_start(kelly_rare *rare, const float cov[KELLY_PARAMETERS]
     }
     *rare = (kelly_rare){ .seed = seed, .n = n, .chains = n / KELLY_RARE_STATES, .samples = samples, .keys = keys, .step = FIRST_STEP };
     for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
-        rare->cov[k] = cov[k];
+        rare->cov[k] = cov[k] >= KELLY_RARE_COV ? cov[k] : 0.0f;
     }
     draw_all(rare);
     return 0;

@@ -8,7 +8,7 @@
 
 static real value(const kelly_case *run, const kelly_rare_sample *sample, unsigned parameter, real mean)
 {
-    return run->cov[parameter] > 0.0f ? (real)kelly_gamma_value(sample->x[parameter], (float)mean, run->cov[parameter]) : mean;
+    return run->cov[parameter] >= KELLY_RARE_COV ? (real)kelly_gamma_value(sample->x[parameter], (float)mean, run->cov[parameter]) : mean;
 }
 
 void kelly_rare_draw(const kelly_case *run, const kelly_rare_sample *sample, kelly_draw *draw)
@@ -102,7 +102,7 @@ static int place(const kelly_rare_hint *hint, const float x[KELLY_PARAMETERS], u
 
     for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
         sample.x[k] = x[k];
-        if (hint->run->cov[k] > 0.0f && kelly_gamma_log_weight(x[k], hint->run->cov[k]) <= KELLY_NO_WEIGHT) {
+        if (hint->run->cov[k] >= KELLY_RARE_COV && kelly_gamma_log_weight(x[k], hint->run->cov[k]) <= KELLY_NO_WEIGHT) {
             return 0;
         }
     }
