@@ -36,8 +36,8 @@ static void sink(uint32_t *keys, uint32_t n, uint32_t i)
 
 static void heap(uint32_t *keys, uint32_t n)
 {
-    for (uint32_t i = n / 2; i-- > 0;) {
-        sink(keys, n, i);
+    for (uint32_t i = n / 2; i > 0; i--) {
+        sink(keys, n, i - 1);
     }
 }
 
@@ -97,7 +97,7 @@ static uint32_t count_different(kelly_rare *rare, int finds, float *in_effect)
         last = id;
     }
     squares += same * same;
-    *in_effect = squares > 0.0f ? all * all / squares : 0.0f;
+    *in_effect = squares >= 1.0f ? all * all / squares : 0.0f;
     return different;
 }
 
@@ -138,16 +138,17 @@ static uint32_t count_pairs(const kelly_rare *rare, uint32_t lag, float guide)
  * gamma = 2 sum (1 - k / states) r(k) from the correlations r along the chains. Where all are inside, or none, there is no spread. */
 static void measure(kelly_rare *rare, float guide)
 {
+    const uint32_t found = count_pairs(rare, 0, guide);
     kelly_rare_level *const level = now(rare);
     wide p, gamma = 0;
 
     level->guide = guide;
-    level->inside = count_pairs(rare, 0, guide);
+    level->inside = found;
     level->variance = 0;
-    if (level->inside == rare->n || level->inside == 0) {
+    if (found == rare->n || found == 0) {
         return;
     }
-    p = (wide)level->inside / (wide)rare->n;
+    p = (wide)found / (wide)rare->n;
     for (uint32_t lag = 1; rare->level > 0 && lag < KELLY_RARE_STATES; lag++) {
         const wide both = (wide)count_pairs(rare, lag, guide) / (wide)(rare->n - lag * rare->chains);
 
@@ -160,8 +161,10 @@ static void measure(kelly_rare *rare, float guide)
 static void choose_seeds(kelly_rare *rare, float guide)
 {
     for (uint32_t i = 0, kept = 0; i < rare->n && kept < rare->chains; i++) {
+        const kelly_rare_sample sample = rare->samples[i];
+
         if (inside(rare, i, guide)) {
-            rare->samples[kept++] = rare->samples[i];
+            rare->samples[kept++] = sample;
         }
     }
 }
@@ -214,7 +217,7 @@ static void draw_all(kelly_rare *rare)
         for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
             kelly_rng rng;
 
-            if (rare->cov[k] > 0.0f) {
+            if (rare->cov[k] >= KELLY_RARE_COV) {
                 kelly_rng_key(&rng, rare->seed, i, k);
                 rare->samples[i].x[k] = kelly_gamma_normal(&rng, rare->cov[k]);
             }
@@ -378,7 +381,7 @@ const char *kelly_rare_start(kelly_rare *rare, const float cov[KELLY_PARAMETERS]
     }
     *rare = (kelly_rare){ .seed = seed, .n = n, .chains = n / KELLY_RARE_STATES, .samples = samples, .keys = keys, .step = FIRST_STEP };
     for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
-        rare->cov[k] = cov[k] >= KELLY_RARE_COV ? cov[k] : 0.0f;
+        rare->cov[k] = cov[k];
     }
     draw_all(rare);
     return 0;

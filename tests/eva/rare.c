@@ -91,7 +91,7 @@ static void any_rare(void)
     ANY(keys);
     any_levels();
     for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
-        rare.cov[k] = Frama_C_nondet(0, 1) ? 0 : Frama_C_float_interval(1e-4f, 0.5f);
+        rare.cov[k] = Frama_C_float_interval(0, 0.5f);
     }
     rare.seed = any_u64();
     rare.n = SAMPLES;
@@ -136,8 +136,8 @@ static void first_level(uint32_t refused)
     check();
 }
 
-/* The moves to state `at` of a quarter of the chains are judged. */
-static void further_level(uint32_t low, uint32_t high, uint32_t quarter, uint32_t at)
+/* The moves to state `at` of a quarter of the chains are judged, which all can be run, or none. */
+static void further_level(uint32_t low, uint32_t high, uint32_t quarter, uint32_t at, int refused)
 {
     any_rare();
     rare.level = Frama_C_unsigned_int_interval(low, high);
@@ -146,7 +146,7 @@ static void further_level(uint32_t low, uint32_t high, uint32_t quarter, uint32_
     rare.first = at * CHAINS + quarter * (CHAINS / 4);
     rare.count = CHAINS / 4;
     for (uint32_t i = rare.first; i < rare.first + rare.count; i++) {
-        samples[i].guide = Frama_C_float_interval(KELLY_RARE_REFUSED, ANY_FLOAT);
+        samples[i].guide = refused ? KELLY_RARE_REFUSED : Frama_C_float_interval(0, ANY_FLOAT);
     }
     kelly_rare_accept(&rare);
     check();
@@ -182,10 +182,11 @@ int main(void)
     for (uint32_t quarter = 0; quarter < 4; quarter++) {
         //@ loop unroll 9;
         for (uint32_t at = 1; at < KELLY_RARE_STATES; at++) {
-            further_level(1, KELLY_RARE_LEVELS - 2, quarter, at);
+            further_level(1, KELLY_RARE_LEVELS - 2, quarter, at, 0);
+            further_level(1, KELLY_RARE_LEVELS - 2, quarter, at, 1);
         }
     }
-    further_level(KELLY_RARE_LEVELS - 1, KELLY_RARE_LEVELS - 1, 3, KELLY_RARE_STATES - 1);
+    further_level(KELLY_RARE_LEVELS - 1, KELLY_RARE_LEVELS - 1, 3, KELLY_RARE_STATES - 1, 0);
     rare.count = 0;
     kelly_rare_accept(&rare);
     answer(0, 0);
