@@ -24,7 +24,9 @@ static void sink(uint32_t *keys, uint32_t n, uint32_t i)
     const uint32_t key = keys[i];
 
     for (uint32_t child = 2 * i + 1; child < n; child = 2 * i + 1) {
-        child += child + 1 < n && keys[child + 1] > keys[child];
+        if (child + 1 < n && keys[child + 1] > keys[child]) {
+            child++;
+        }
         if (keys[child] <= key) {
             break;
         }
@@ -51,14 +53,14 @@ static uint32_t pop(uint32_t *keys, uint32_t n)
     return top;
 }
 
-/* The k-th largest guide, 1 <= k <= n: guides are >= 0 here, so that their bits have their order. */
+/* The k-th largest guide, 1 <= k <= n: guides are >= 0 here, so that their bits have their order, but for those of -0. */
 static float kth_guide(kelly_rare *rare, uint32_t k)
 {
     union { uint32_t bits; float guide; } u = { .bits = 0 };
 
     for (uint32_t i = 0; i < rare->n; i++) {
         u.guide = rare->samples[i].guide;
-        rare->keys[i] = u.bits;
+        rare->keys[i] = u.guide > 0.0f ? u.bits : 0;
     }
     heap(rare->keys, rare->n);
     for (uint32_t taken = 0; taken < k; taken++) {
