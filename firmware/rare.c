@@ -24,7 +24,9 @@ static void sink(uint32_t *keys, uint32_t n, uint32_t i)
     const uint32_t key = keys[i];
 
     for (uint32_t child = 2 * i + 1; child < n; child = 2 * i + 1) {
-        child += child + 1 < n && keys[child + 1] > keys[child];
+        if (child + 1 < n && keys[child + 1] > keys[child]) {
+            child++;
+        }
         if (keys[child] <= key) {
             break;
         }
@@ -36,8 +38,8 @@ static void sink(uint32_t *keys, uint32_t n, uint32_t i)
 
 static void heap(uint32_t *keys, uint32_t n)
 {
-    for (uint32_t i = n / 2; i-- > 0;) {
-        sink(keys, n, i);
+    for (uint32_t i = n / 2; i > 0; i--) {
+        sink(keys, n, i - 1);
     }
 }
 
@@ -51,14 +53,14 @@ static uint32_t pop(uint32_t *keys, uint32_t n)
     return top;
 }
 
-/* The k-th largest guide, 1 <= k <= n: guides are >= 0 here, so that their bits have their order. */
+/* The k-th largest guide, 1 <= k <= n: guides are >= 0 here, so that their bits have their order, but for those of -0. */
 static float kth_guide(kelly_rare *rare, uint32_t k)
 {
     union { uint32_t bits; float guide; } u = { .bits = 0 };
 
     for (uint32_t i = 0; i < rare->n; i++) {
         u.guide = rare->samples[i].guide;
-        rare->keys[i] = u.bits;
+        rare->keys[i] = u.guide > 0.0f ? u.bits : 0;
     }
     heap(rare->keys, rare->n);
     for (uint32_t taken = 0; taken < k; taken++) {
@@ -72,8 +74,7 @@ int kelly_rare_failed(const kelly_rare_sample *sample)
     return sample->guide >= KELLY_RARE_FAILED;
 }
 
-/* Different ones among the ids of the failures, of which there are some, or of their finds; and how many they are in effect:
- * F^2 / sum m_i^2. */
+/* Different ones among the ids of the failures, or of their finds; and how many they are in effect: F^2 / sum m_i^2. */
 static uint32_t count_different(kelly_rare *rare, int finds, float *in_effect)
 {
     uint32_t n = 0, different = 0, last = 0;
@@ -98,7 +99,7 @@ static uint32_t count_different(kelly_rare *rare, int finds, float *in_effect)
         last = id;
     }
     squares += same * same;
-    *in_effect = all * all / squares;
+    *in_effect = squares >= 1.0f ? all * all / squares : 0.0f;
     return different;
 }
 
@@ -136,19 +137,20 @@ static uint32_t count_pairs(const kelly_rare *rare, uint32_t lag, float guide)
 }
 
 /* Samples in the event above `guide`, and the squared coefficient of variation of their share: (1 - p) / (p n) (1 + gamma),
- * gamma = 2 sum (1 - k / states) r(k) from the correlations r along the chains. Where all are inside there is no spread. */
+ * gamma = 2 sum (1 - k / states) r(k) from the correlations r along the chains. Where all are inside, or none, there is no spread. */
 static void measure(kelly_rare *rare, float guide)
 {
+    const uint32_t found = count_pairs(rare, 0, guide);
     kelly_rare_level *const level = now(rare);
     wide p, gamma = 0;
 
     level->guide = guide;
-    level->inside = count_pairs(rare, 0, guide);
+    level->inside = found;
     level->variance = 0;
-    if (level->inside == rare->n) {
+    if (found == rare->n || found == 0) {
         return;
     }
-    p = (wide)level->inside / (wide)rare->n;
+    p = (wide)found / (wide)rare->n;
     for (uint32_t lag = 1; rare->level > 0 && lag < KELLY_RARE_STATES; lag++) {
         const wide both = (wide)count_pairs(rare, lag, guide) / (wide)(rare->n - lag * rare->chains);
 
@@ -161,8 +163,10 @@ static void measure(kelly_rare *rare, float guide)
 static void choose_seeds(kelly_rare *rare, float guide)
 {
     for (uint32_t i = 0, kept = 0; i < rare->n && kept < rare->chains; i++) {
+        const kelly_rare_sample sample = rare->samples[i];
+
         if (inside(rare, i, guide)) {
-            rare->samples[kept++] = rare->samples[i];
+            rare->samples[kept++] = sample;
         }
     }
 }
@@ -215,7 +219,7 @@ static void draw_all(kelly_rare *rare)
         for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
             kelly_rng rng;
 
-            if (rare->cov[k] > 0.0f) {
+            if (rare->cov[k] >= KELLY_RARE_COV) {
                 kelly_rng_key(&rng, rare->seed, i, k);
                 rare->samples[i].x[k] = kelly_gamma_normal(&rng, rare->cov[k]);
             }
@@ -369,7 +373,7 @@ const char *kelly_rare_start(kelly_rare *rare, const float cov[KELLY_PARAMETERS]
     unsigned laws = 0;
 
     for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
-        laws += cov[k] > 0.0f;
+        laws += cov[k] >= KELLY_RARE_COV;
     }
     if (n < KELLY_RARE_MIN || n > KELLY_RARE_MAX || n % (QUARTERS * KELLY_RARE_STATES) != 0) {
         return "samples a level must be a multiple of 40 in 200..1000000";

@@ -55,6 +55,7 @@
 #define KELLY_RARE_FINDS(n) (2.0f + (float)(int32_t)(n) / 240.0f)    /* fewest finds in effect; 19 of 2400 were the fewest of 900 runs */
 #define KELLY_RARE_MIN 200u             /* samples a level: a multiple of 40 in MIN..MAX */
 #define KELLY_RARE_MAX 1000000u
+#define KELLY_RARE_COV 1e-4f            /* of less a parameter is not random: string_model.h */
 
 #define KELLY_RARE_FAILED 0x1.fffffep127f
 #define KELLY_RARE_REFUSED (-1.0f)

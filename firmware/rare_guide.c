@@ -3,12 +3,15 @@
 #include "random.h"
 #include "rare.h"
 
-#define LEAST_RATIO R(1e-6)      /* of R: its fourth power, times ss, is a normal number */
+#define LEAST_RATIO R(1e-6)      /* of R: its fourth power, times ss, is a normal number, */
+#define MOST_RATIO R(1e9)        /* and finite, below KELLY_RARE_FAILED */
+#define LEAST_SWING R(1e-30)     /* of an ss whose logarithm is taken */
+#define LEAST_SQUARE R(1e-14)    /* of |1 - T' H|^2: 1 - x has no digits below 1e-7 */
 #define OUT_OF_REACH (-1e6f)     /* hint where there are no modes */
 
 static real value(const kelly_case *run, const kelly_rare_sample *sample, unsigned parameter, real mean)
 {
-    return run->cov[parameter] > 0.0f ? (real)kelly_gamma_value(sample->x[parameter], (float)mean, run->cov[parameter]) : mean;
+    return run->cov[parameter] >= KELLY_RARE_COV ? (real)kelly_gamma_value(sample->x[parameter], (float)mean, run->cov[parameter]) : mean;
 }
 
 void kelly_rare_draw(const kelly_case *run, const kelly_rare_sample *sample, kelly_draw *draw)
@@ -33,7 +36,7 @@ static real ratio_of(const kelly_table *table, const kelly_modes *modes, real sl
 {
     const real ratio = modes->b[0] * modes->b[0] * slope / (table->alpha + table->beta * modes->w2[0]);
 
-    return ratio > LEAST_RATIO ? ratio : LEAST_RATIO;
+    return ratio > LEAST_RATIO ? ratio < MOST_RATIO ? ratio : MOST_RATIO : LEAST_RATIO;
 }
 
 float kelly_rare_guide(const kelly_table *table, const kelly_case *run, const kelly_result *result)
@@ -55,7 +58,7 @@ float kelly_rare_guide(const kelly_table *table, const kelly_case *run, const ke
  * |H| mu f0 G / |1 - T' H|, G = tanh w0 + a1 w0 / (1 + a2 w0^2). */
 static real forced(const kelly_table *table, const kelly_case *run, const kelly_draw *y, const kelly_modes *modes, unsigned from, real slope, real pull)
 {
-    real re = 0, im = 0, a, b;
+    real re = 0, im = 0, a, b, square;
 
     for (unsigned i = from; i < modes->count; i++) {
         const real stiff = modes->w2[i] - y->w0 * y->w0, loss = y->w0 * (table->alpha + table->beta * modes->w2[i]);
@@ -66,7 +69,9 @@ static real forced(const kelly_table *table, const kelly_case *run, const kelly_
     }
     a = R(1.0) - slope * re;
     b = slope * im;
-    return y->mu * run->f0 * pull / y->w0 * (real)kelly_sqrt32((float)((re * re + im * im) / (a * a + b * b)));
+    square = a * a + b * b;
+    square = square > LEAST_SQUARE ? square : LEAST_SQUARE;
+    return y->mu * run->f0 * pull / y->w0 * (real)kelly_sqrt32((float)((re * re + im * im) / square));
 }
 
 /* What is left at the window's start of the first mode's swing: d_1 b_1 of w0 from rest, b_1^2 mu fc G / w_1 from a string that
@@ -102,7 +107,7 @@ static int place(const kelly_rare_hint *hint, const float x[KELLY_PARAMETERS], u
 
     for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
         sample.x[k] = x[k];
-        if (hint->run->cov[k] > 0.0f && kelly_gamma_log_weight(x[k], hint->run->cov[k]) <= KELLY_NO_WEIGHT) {
+        if (hint->run->cov[k] >= KELLY_RARE_COV && kelly_gamma_log_weight(x[k], hint->run->cov[k]) <= KELLY_NO_WEIGHT) {
             return 0;
         }
     }
@@ -140,7 +145,7 @@ float kelly_rare_guess(const kelly_rare_hint *hint, const float x[KELLY_PARAMETE
     if (!linear(hint, x, &ss, &ratio)) {
         return OUT_OF_REACH;
     }
-    return 4.0f * kelly_log32((float)ratio) + kelly_log32((float)ss);
+    return 4.0f * kelly_log32((float)ratio) + kelly_log32((float)(ss > LEAST_SWING ? ss : LEAST_SWING));
 }
 
 float kelly_rare_own(const kelly_rare_hint *hint)

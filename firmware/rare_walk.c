@@ -13,7 +13,7 @@ static float log_law(const kelly_rare *rare, const float x[SIZE])
     float sum = 0.0f;
 
     for (unsigned k = 0; k < SIZE; k++) {
-        if (rare->cov[k] > 0.0f) {
+        if (rare->cov[k] >= KELLY_RARE_COV) {
             sum += kelly_gamma_log_weight(x[k], rare->cov[k]);
         }
     }
@@ -26,7 +26,7 @@ static void stray(const kelly_rare *rare, kelly_rng *rng, float s, const float o
     const float keep = kelly_sqrt32(1.0f - s * s);
 
     for (unsigned k = 0; k < SIZE; k++) {
-        next[k] = rare->cov[k] > 0.0f ? keep * old[k] + s * kelly_normal(rng) : 0.0f;
+        next[k] = rare->cov[k] >= KELLY_RARE_COV ? keep * old[k] + s * kelly_normal(rng) : 0.0f;
     }
 }
 

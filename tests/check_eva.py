@@ -56,6 +56,18 @@ DRIVERS = {
     "envelope": (["envelope", "detmath"],
                  "-eva-precision 0 -eva-slevel 10 -eva-slevel-function merge_neighbours:2000 -eva-slevel-merge-after-loop merge_neighbours "
                  "-eva-auto-loop-unroll 100 -eva-min-loop-unroll 96 -eva-split-return full"),
+    "rare": (["rare", "rare_answer", "detmath"],
+             "-eva-precision 0 -eva-slevel 0 -eva-slevel-function sink:60,end_level:20,next_level:20,kelly_rare_accept:20,judge:5 "
+             "-eva-slevel-merge-after-loop sink -eva-auto-loop-unroll 210 -eva-min-loop-unroll 41 -eva-split-return-function end_level:full,judge:full "
+             "-eva-use-spec kelly_exp,kelly_log"),
+    "walk": (["rare_walk", "detmath"],
+             "-eva-precision 0 -eva-slevel 60 -eva-auto-loop-unroll 50 -eva-split-return full -eva-use-spec kelly_normal,kelly_log32"),
+    "guide": (["rare_guide", "string_model", "link/crc32c", "tables/paper", "detmath"],
+              "-eva-precision 0 -eva-slevel 0 -eva-slevel-function place:20,kelly_modes_at:10,kelly_rare_guess:4,kelly_rare_resonance:4,kelly_rare_guide:10 "
+              "-eva-auto-loop-unroll 24 -eva-split-return-function place:full,kelly_modes_at:full -eva-use-spec kelly_log32"),
+    "look": (["rare_look", "rare_answer", "detmath"],
+             "-eva-precision 0 -eva-slevel 0 -eva-slevel-function share_seen:200,kelly_rare_compare:10,kelly_rare_read:4 -eva-auto-loop-unroll 16 -eva-min-loop-unroll 5 "
+             "-eva-use-spec kelly_exp,kelly_log"),
     "lines": (["app/line", "app/scpi"],
               "-eva-precision 0 -eva-slevel 500 -eva-slevel-function value_of:100,line_number:100,line_stranger:0,known_word:10 "
               "-eva-slevel-merge-after-loop value_of,line_stranger -eva-auto-loop-unroll 100 -eva-min-loop-unroll 80 "

@@ -50,6 +50,28 @@ static void leaves_samples_of_the_event(void)
     CHECK(distinct >= KELLY_RARE_DISTINCT && distinct < failed);
 }
 
+/* An event without a spread is the guide's own zero, whatever its sign, and lies below all others. */
+static void orders_guides_of_both_zeros(void)
+{
+    CHECK(kelly_rare_start(&rare, normals, 1, 200, samples, keys) == 0);
+    for (uint32_t i = 0; i < 200; i++) {
+        samples[i].guide = i % 5 == 0 ? 1.0f + (float)(int32_t)i : i % 2 != 0 ? -0.0f : 0.0f;
+    }
+    kelly_rare_accept(&rare);
+    CHECK(rare.level == 1 && rare.guide == 101.0f);        /* the twentieth of 1, 6, .. 196 */
+}
+
+/* A law of hardly any width is none, as in kelly_draw_sample: its parameter stays at the mean. */
+static void leaves_narrow_laws_alone(void)
+{
+    static const float mixed[KELLY_PARAMETERS] = { 0.01f, 0.9e-4f, 0.01f, 1e-4f, 1e-30f };
+
+    CHECK(kelly_rare_start(&rare, mixed, 1, 200, samples, keys) == 0);
+    for (uint32_t i = 0; i < 200; i++) {
+        CHECK(samples[i].x[0] != 0 && samples[i].x[1] == 0 && samples[i].x[2] != 0 && samples[i].x[3] != 0 && samples[i].x[4] == 0);
+    }
+}
+
 /* The first level holds a tenth of failures: counts, as montecarlo has them. */
 static void is_plain_where_that_is_enough(void)
 {
@@ -97,7 +119,7 @@ static void expect(kelly_rare_state state, event what, float limit, uint64_t see
 
 static void refuses_with_a_reason(void)
 {
-    static const float nothing[KELLY_PARAMETERS] = { 0 };
+    static const float nothing[KELLY_PARAMETERS] = { 0 }, hardly[KELLY_PARAMETERS] = { 0.9e-4f };
 
     expect(KELLY_RARE_NO_FAILURE, PLANE, 50.0f, 1);
     CHECK(rare.level >= 8 && rare.level + 1 < KELLY_RARE_LEVELS);
@@ -114,6 +136,7 @@ static void refuses_with_a_reason(void)
     kelly_rare_accept(&rare);                              /* over is over */
     EQUAL(rare.state, KELLY_RARE_UNKNOWN);
     CHECK(kelly_rare_start(&rare, nothing, 1, 200, samples, keys) != 0);
+    CHECK(kelly_rare_start(&rare, hardly, 1, 200, samples, keys) != 0);
     CHECK(kelly_rare_start(&rare, normals, 1, 160, samples, keys) != 0);
     CHECK(kelly_rare_start(&rare, normals, 1, 210, samples, keys) != 0);
     CHECK(kelly_rare_start(&rare, normals, 1, KELLY_RARE_MAX + 40u, samples, keys) != 0);
@@ -190,6 +213,8 @@ void test_rare(void);
 void test_rare(void)
 {
     leaves_samples_of_the_event();
+    orders_guides_of_both_zeros();
+    leaves_narrow_laws_alone();
     is_plain_where_that_is_enough();
     knows_luck();
     refuses_with_a_reason();

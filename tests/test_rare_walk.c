@@ -139,6 +139,23 @@ static void stays_where_it_must(void)
     CHECK(moved > 0 && moved < 25);
 }
 
+/* A spread below the mean of ln guide - ln hint over the seeds that know both. */
+static void aims_at_the_guide(void)
+{
+    static const float along[KELLY_PARAMETERS] = { 1.0f };
+    static const kelly_rare_hint hint = { .plane = along };
+
+    CHECK(kelly_rare_start(&rare, normals, 1, 200, samples, keys) == 0);
+    kelly_rare_lead(&rare, &hint);
+    for (uint32_t i = 0; i < rare.chains; i++) {           /* ln guide - ln hint is -2 or 1, of a failure nothing */
+        samples[i].x[0] = i % 2 != 0 ? 2.0f : -1.0f;
+        samples[i].guide = i % 5 == 4 ? KELLY_RARE_FAILED : 1.0f;
+    }
+    rare.guide = 1.0f;
+    kelly_rare_aim(&rare);
+    CLOSE((wide)rare.hint_level, W(0.5) - W(1.5), W(1e-5));
+}
+
 /* Seeds whose guides say nothing leave the hint's level at the guide's own. */
 static void aims_without_seeds(void)
 {
@@ -162,5 +179,6 @@ void test_rare_walk(void)
     drops_a_hint_below_a_fifth();
     runs_a_refused_move_again();
     stays_where_it_must();
+    aims_at_the_guide();
     aims_without_seeds();
 }

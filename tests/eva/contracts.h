@@ -25,7 +25,8 @@ float kelly_log32(float x);
 
 /*@ requires \is_finite(x) && x >= 0x1p-1022;
     assigns \result \from x;
-    ensures \is_finite(\result) && -709 <= \result <= 710; */
+    ensures \is_finite(\result) && -709 <= \result <= 710;
+    ensures x >= 1 ==> \result >= 0; */
 wide kelly_log(wide x);
 
 /* exp.c */

@@ -2,6 +2,30 @@
 #include "bitrock.h"
 #include "detmath.h"
 
+/* log(x) >= 0 from x = 1 on: in slices where f - f^2 / 2 is seen to be. */
+static void from_one(double low, double high)
+{
+    const double log64 = kelly_log(Frama_C_double_interval(low, high));
+
+    //@ assert log64 >= 0;
+}
+
+static void logarithms(void)
+{
+    double t = 0.25;
+
+    from_one(1, 1);
+    //@ loop unroll 50;
+    for (unsigned k = 0; k < 50; k++) {
+        from_one(1 + t / 2, 1 + t);
+        t /= 2;
+    }
+    from_one(1.25, 1.4);
+    from_one(1.4, 1.5);
+    from_one(1.5, 2);
+    from_one(2, ANY_DOUBLE);
+}
+
 int main(void)
 {
     const float normal = Frama_C_float_interval(0x1p-126f, ANY_FLOAT), not_negative = Frama_C_float_interval(0, ANY_FLOAT);
@@ -11,6 +35,7 @@ int main(void)
     const double log64 = kelly_log(Frama_C_double_interval(0x1p-1022, ANY_DOUBLE));
 
     (void)kelly_sqrt32_integer(not_negative);
+    logarithms();
     //@ assert -88 <= log32 <= 89;
     //@ assert 0 <= root <= 0x1p64;
     //@ assert -7 <= sine <= 7;
