@@ -62,12 +62,12 @@ DRIVERS = {
              "-eva-use-spec kelly_exp,kelly_log"),
     "walk": (["rare_walk", "detmath"],
              "-eva-precision 0 -eva-slevel 60 -eva-auto-loop-unroll 50 -eva-split-return full -eva-use-spec kelly_normal,kelly_log32"),
-    "guide": (["rare_guide", "string_model", "link/crc32c", "tables/paper", "detmath"],
-              "-eva-precision 0 -eva-slevel 0 -eva-slevel-function place:20,kelly_modes_at:10,kelly_rare_guess:4,kelly_rare_resonance:4,kelly_rare_guide:10 "
-              "-eva-auto-loop-unroll 24 -eva-split-return-function place:full,kelly_modes_at:full -eva-use-spec kelly_log32"),
     "look": (["rare_look", "rare_answer", "detmath"],
              "-eva-precision 0 -eva-slevel 0 -eva-slevel-function share_seen:200,kelly_rare_compare:10,kelly_rare_read:4 -eva-auto-loop-unroll 16 -eva-min-loop-unroll 5 "
              "-eva-use-spec kelly_exp,kelly_log"),
+    "guide": (["rare_guide", "string_model", "link/crc32c", "tables/paper", "detmath"],
+              "-eva-precision 0 -eva-slevel 500 -eva-slevel-function forced:0,slope_of:0,ratio_of:0,kelly_tanh:0,kelly_poly:0,main:0,hints:0 "
+              "-eva-auto-loop-unroll 24 -eva-split-return full -eva-use-spec kelly_log32"),
     "lines": (["app/line", "app/scpi"],
               "-eva-precision 0 -eva-slevel 500 -eva-slevel-function value_of:100,line_number:100,line_stranger:0,known_word:10 "
               "-eva-slevel-merge-after-loop value_of,line_stranger -eva-auto-loop-unroll 100 -eva-min-loop-unroll 80 "

@@ -35,7 +35,7 @@ static void any_state(void)
         rare.levels[i].variance = Frama_C_double_interval(0, 1e9);
     }
     rare.state = (kelly_rare_state)Frama_C_unsigned_int_interval(0, KELLY_RARE_OUTCOMES - 1);
-    rare.level = Frama_C_unsigned_int_interval(1, KELLY_RARE_LEVELS - 1);
+    rare.level = Frama_C_unsigned_int_interval(0, KELLY_RARE_LEVELS - 1);
     rare.n = SAMPLES;
     rare.samples = samples;
     rare.finds = Frama_C_float_interval(1.0f, 1e5f);
@@ -46,11 +46,11 @@ static void any_state(void)
 
 void kelly_rare_accept(kelly_rare *at)
 {
+    (void)at;
     for (unsigned i = 0; i < SAMPLES; i++) {
         //@ assert samples[i].guide >= KELLY_RARE_REFUSED;
     }
     any_state();
-    at->level = Frama_C_unsigned_int_interval(0, KELLY_RARE_LEVELS - 1);
 }
 
 /* interval.c */

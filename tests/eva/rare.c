@@ -3,7 +3,7 @@
 #include "rare.h"
 #include "contracts.h"
 
-#define SAMPLES 40u                       /* of a level; at the start KELLY_RARE_MIN */
+#define SAMPLES 40u                      /* of a level; at the start KELLY_RARE_MIN */
 #define CHAINS (SAMPLES / KELLY_RARE_STATES)
 #define X 1e3f                           /* random.h */
 
