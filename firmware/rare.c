@@ -24,14 +24,13 @@ static void sink(uint32_t *keys, uint32_t n, uint32_t i)
     const uint32_t key = keys[i];
 
     for (uint32_t child = 2 * i + 1; child < n; child = 2 * i + 1) {
-        if (child + 1 < n && keys[child + 1] > keys[child]) {
-            child++;
-        }
-        if (keys[child] <= key) {
+        const uint32_t larger = child + 1 < n && keys[child + 1] > keys[child] ? child + 1 : child;
+
+        if (keys[larger] <= key) {
             break;
         }
-        keys[i] = keys[child];
-        i = child;
+        keys[i] = keys[larger];
+        i = larger;
     }
     keys[i] = key;
 }
@@ -163,8 +162,9 @@ static void measure(kelly_rare *rare, float guide)
 static void choose_seeds(kelly_rare *rare, float guide)
 {
     for (uint32_t i = 0, kept = 0; i < rare->n && kept < rare->chains; i++) {
-        const kelly_rare_sample sample = rare->samples[i];
+        kelly_rare_sample sample;
 
+        sample = rare->samples[i];
         if (inside(rare, i, guide)) {
             rare->samples[kept++] = sample;
         }

@@ -42,8 +42,9 @@ void kelly_rare_look(kelly_rare *look, const kelly_rare_hint *hint, unsigned mod
     }
     every = look->levels[look->level].failed / most;
     for (uint32_t i = 0; i < look->n && kept < most; i++) {                /* every so many of them, to the front */
-        const kelly_rare_sample sample = look->samples[i];
+        kelly_rare_sample sample;
 
+        sample = look->samples[i];
         if (kelly_rare_failed(&sample) && ++found % (every > 0 ? every : 1) == 0) {
             look->samples[kept++] = sample;
         }
