@@ -86,6 +86,8 @@ static void hints(void)
         hinted = kelly_rare_resonance(&hint, x, mode);
         //@ assert hinted >= 0;
     }
+    hinted = kelly_rare_own(&hint);
+    //@ assert hinted >= 0;
 }
 
 static void guides(void)
