@@ -12,6 +12,7 @@ static void draws_what_kelly_run_draws(void)
     fixture_case(&run, 100);
     run.cov[0] = run.cov[3] = 0.2f;
     run.cov[4] = 0.5f;
+    run.cov[1] = 0.00009f;                                 /* too little to be random */
     CHECK(kelly_rare_start(&rare, run.cov, 11, 200, samples, keys) == 0);
     for (uint32_t j = 0; j < 200; j += 17) {
         kelly_draw one, other;
@@ -128,6 +129,27 @@ static void guesses_from_the_linear_string(void)
     x[0] = 0.0f;
     x[1] = -40.0f;
     CHECK(kelly_rare_guess(&hint, x) == kelly_rare_guess(&hint, (const float[KELLY_PARAMETERS]){ -40.0f }));
+}
+
+/* Far beyond the ranges of string_model.h: a guide is a failure by its ss alone, and a hint of nothing is not the least of all. */
+static void stays_in_bounds(void)
+{
+    kelly_result r = { .ss = R(0.5), .status = KELLY_OK };
+    kelly_case run;
+    const kelly_rare_hint hint = { .table = &kelly_string, .run = &run };
+    const float x[KELLY_PARAMETERS] = { 0 };
+    float nothing;
+
+    fixture_case(&run, 100);
+    run.limit = R(0.8);
+    kelly_draw_nominal(&run, &r.draw);
+    r.draw.mu = R(1e9);
+    CHECK(kelly_rare_guide(&kelly_string, &run, &r) > 1e30f && kelly_rare_guide(&kelly_string, &run, &r) < KELLY_RARE_FAILED);
+    run.mu = R(1e-36);
+    run.f0 = 0;
+    run.rotating = 1;
+    nothing = kelly_rare_guess(&hint, x);
+    CHECK(nothing > -125.0f && nothing < -124.0f);         /* 1e-24 1e-30 */
 }
 
 /* P of the linear string's resonance, as draws alone give it; and an answer that lacks the failures that a look has found is none. */
@@ -249,6 +271,7 @@ void test_rare_guide(void)
     runs_given_draws();
     guides_by_the_negative_damping();
     guesses_from_the_linear_string();
+    stays_in_bounds();
     looks_at_resonances();
     compares_with_a_look();
     doubts_a_limit_that_is_near();
