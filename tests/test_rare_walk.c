@@ -154,6 +154,11 @@ static void aims_at_the_guide(void)
     rare.guide = 1.0f;
     kelly_rare_aim(&rare);
     CLOSE((wide)rare.hint_level, W(0.5) - W(1.5), W(1e-5));
+    for (uint32_t i = 0; i < rare.chains; i++) {           /* one alone has no spread */
+        samples[i].guide = i == 1 ? 1.0f : KELLY_RARE_FAILED;
+    }
+    kelly_rare_aim(&rare);
+    CLOSE((wide)rare.hint_level, W(2.0), W(1e-5));
 }
 
 /* Seeds whose guides say nothing leave the hint's level at the guide's own. */
