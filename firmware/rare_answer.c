@@ -43,13 +43,13 @@ void kelly_rare_read(const kelly_rare *rare, kelly_rare_estimate *out)
 const char *kelly_rare_reason(kelly_rare_state state)
 {
     static const char *const reasons[KELLY_RARE_OUTCOMES] = {
-        "not over yet", "done", "no failure was found down to a probability of 1e-9", "the probability is below 1e-9",
-        "fewer than 50 different failures in the last level: give more samples a level",
-        "fewer than a tenth of the moves of a level were accepted: give more samples a level",
-        "more than 12 levels", "the failures descend from few finds, in a place that the search does not lead to: give montecarlo, or more samples a level",
-        "failures lie in more than one place, and the search has missed some: give montecarlo",
-        "the limit is less than 1.5 times the ss that the string has anyway, where the search knows too little: give montecarlo, or a higher limit",
-        "realisations were refused that may be failures: give a shorter step",
+        "not over yet", "done", "no failure down to P of 1e-9", "P is below 1e-9",
+        "under 50 different failures: give more samples a level",
+        "under a tenth of the moves were accepted: give more samples a level",
+        "more than 12 levels", "the failures descend from few finds: give montecarlo, or more samples a level",
+        "failures lie in more than one place: give montecarlo",
+        "the limit is below 1.5 times the ss that the string has anyway: give montecarlo",
+        "refused realisations may be failures: give a shorter step",
     };
 
     return (unsigned)state < KELLY_RARE_OUTCOMES ? reasons[state] : "no such state";

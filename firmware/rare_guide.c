@@ -151,9 +151,10 @@ float kelly_rare_guess(const kelly_rare_hint *hint, const float x[KELLY_PARAMETE
 float kelly_rare_own(const kelly_rare_hint *hint)
 {
     static const float means[KELLY_PARAMETERS] = { 0.0f, 0.0f, 0.0f, 0.0f, 0.0f };
-    real ss, ratio;
+    real ss = 0, ratio;
 
-    return linear(hint, means, &ss, &ratio) ? (float)ss : 0.0f;
+    (void)linear(hint, means, &ss, &ratio);
+    return (float)ss;
 }
 
 float kelly_rare_resonance(const kelly_rare_hint *hint, const float x[KELLY_PARAMETERS], unsigned mode)
