@@ -211,7 +211,7 @@ static void compares_with_a_look(void)
     looked.w0 = R(12.0);
     looked.cov[4] = 0.05f;
     for (unsigned k = 0; k < 5; k++) {                     /* none, none but few, all, none but uncertain, half, which may be more */
-        const wide ratio[5] = { 8, W(0.19), 1, 1, W(0.78) };
+        const wide ratio[5] = { 8, W(0.19), 1, 1, BY_LENGTH(W(2.2), W(0.78)) };
         kelly_rare_seen seen = { .tried = 20, .failed = 10, .variance = k == 3 ? W(9.0) : W(0.01) };
 
         CHECK(simulate(PLANE, normals, 2.3263f, 3, n));
