@@ -291,7 +291,7 @@ test:                                         ## every gate of `make test`; inst
 	@sh tests/install $$(sed -n 's/^test: //p' tests/packages.txt)
 	@$(with_python) tests/gates.py test
 
-prove:                                        ## proof, static rules, coverage, mutation, fuzzing: beside make test; 25 minutes; installs what it needs
+prove:                                        ## proof, static rules, coverage, mutation, fuzzing: beside make test; 22 minutes; installs what it needs
 	@sh tests/install $$(sed -nE 's/^(test|prove): //p' tests/packages.txt)
 	@$(with_python) tests/gates.py prove
 
