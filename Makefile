@@ -334,7 +334,7 @@ readme: $(dir)/kelly size                     ## the tables of the README from r
 	@for t in stm32f405 mps2-an500 rv32; do $(MAKE) -s TARGET=$$t device || exit 1; done
 	@$(MAKE) -s mpi
 	@for part in drives benches plan; do $(with_python) tests/readme_runs.py $$part > build/$$part.md || exit 1; done
-	@{ printf '| what | figure | from |\n|---|---|---|\n'; cat build/gates-test.md build/gates-prove.md 2>/dev/null; \
+	@{ printf '| what | figure | from |\n|---|---|---|\n'; cat build/gates-test.md build/gates-prove.md || exit 1; \
 	   grep '^| ' tests/campaign.md | tail -n +2 | grep -v 'dieharder.*PASSED | .*batteries.py`'; } > build/gates.md
 	@$(with_python) tests/readme_tables.py README.md run=build/run.md modes=build/modes.md digests=build/digests.md bench=build/bench.md \
 	    size=build/size.md cycles=build/cycles.md drives=build/drives.md benches=build/benches.md rare=build/study-rare.md \
