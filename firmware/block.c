@@ -283,7 +283,7 @@ uint32_t kelly_block_seal(const kelly_block *block)
 
     for (unsigned v = 0; v < KELLY_VECTORS && v < block->vectors; v++) {
         seal = KELLY_SEAL_MEMBERS(seal, &block->lane[v], kelly_lane, w0, twice_g2);
-        for (unsigned i = 0; i < KELLY_MODES_MAX; i++) {
+        for (unsigned i = 0; i < block->modes && i < KELLY_MODES_MAX; i++) {
             if (block->full) {
                 seal = KELLY_SEAL_MEMBERS(seal, &block->mode[v][i], kelly_mode, w4, m3);
             } else {

@@ -311,7 +311,7 @@ int kelly_driven_strays(const kelly_driven *driven, unsigned lane)
 
 void kelly_driven_advance(kelly_driven *driven, uint32_t ticks)
 {
-    while (ticks > 0) {
+    while (ticks > 0 && driven->vectors <= KELLY_VECTORS && driven->modes <= KELLY_MODES_MAX) {
         const uint32_t since = driven->tick % KELLY_RESYNC;
         const uint32_t part = ticks < KELLY_RESYNC - since ? ticks : KELLY_RESYNC - since;
 

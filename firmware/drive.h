@@ -98,7 +98,7 @@ void kelly_driven_clear(kelly_driven *driven, const kelly_table *table, const ke
 void kelly_driven_load(kelly_driven *driven, unsigned lane, const kelly_table *table, const kelly_case *run,
                        const kelly_draw *draw, const kelly_modes *modes, real top_speed);
 
-/* Advance all lanes by `ticks` steps. */
+/* Advance all lanes by `ticks` steps; none where a fault has changed the counts to what would lead out of the struct. */
 void kelly_driven_advance(kelly_driven *driven, uint32_t ticks);
 
 /* Commanded tops: from now on the speed changes by `slope` [rad/s2]; on the way it is put to `top_speed` [rad/s], which it has but for

@@ -253,7 +253,7 @@ uint32_t kelly_driven_seal(const kelly_driven *driven)
         seal = KELLY_SEAL_MEMBERS(seal, on, kelly_driven_lane, w_ref, counted);
         seal = kelly_seal(seal, on->y.of_t, sizeof(on->y.of_t) + sizeof(on->y.of_u));
         seal = kelly_seal(seal, on->p.of_t, sizeof(on->p.of_t) + sizeof(on->p.of_u));
-        for (unsigned i = 0; i < KELLY_MODES_MAX; i++) {
+        for (unsigned i = 0; i < driven->modes && i < KELLY_MODES_MAX; i++) {
             seal = KELLY_SEAL_MEMBERS(seal, &driven->mode[v][i], kelly_driven_mode, w, d11);
         }
     }

@@ -3,6 +3,9 @@
 #include "seal.h"
 #include "severity.h"
 
+/* One copy for its callers: boards have little flash. */
+#define SHARED static __attribute__((noinline))
+
 static int soft(const kelly_case *run)
 {
     return run->drive.inertia > 0;
@@ -18,7 +21,7 @@ static void advance(const kelly_case *run, uint32_t ticks, kelly_work *work)
 }
 
 /* Twist of a lane at the weight of its draw. */
-static real twist(const kelly_table *table, const kelly_case *run, unsigned lane, const kelly_result *result, kelly_work *work)
+SHARED real twist(const kelly_table *table, const kelly_case *run, unsigned lane, const kelly_result *result, kelly_work *work)
 {
     (void)kelly_modes_at(table, result->draw.fc, run->torsional, &work->modes);
     return soft(run) ? kelly_driven_twist(&work->driven, lane, &work->modes) : kelly_block_twist(&work->block, lane, &work->modes);
@@ -74,9 +77,6 @@ static void open_window(const kelly_table *table, const kelly_case *run, unsigne
     } else {
         kelly_block_watch(&work->block);
     }
-    if (kelly_table_head_error(table) != 0) {              /* it has changed since, and may lead anywhere: kelly_run_finish tells */
-        return;
-    }
     for (unsigned l = 0; l < count; l++) {
         if (results[l].status == KELLY_OK) {
             results[l].mean = twist(table, run, l, &results[l], work);
@@ -129,9 +129,6 @@ static void begin_block(const kelly_table *table, const kelly_case *run, unsigne
     }
     work->tick = 0;
     work->seal = seal_of(run, count, results, work);
-    if (run->window_first == 0) {
-        open_window(table, run, count, results, work);
-    }
 }
 
 static uint32_t tick_of(const kelly_case *run, const kelly_work *work)
@@ -139,34 +136,41 @@ static uint32_t tick_of(const kelly_case *run, const kelly_work *work)
     return soft(run) ? work->driven.tick : work->block.tick;
 }
 
+/* Whether all is as it was when the block began. Asked before the table is used, which may lead anywhere else. */
+SHARED int intact(const kelly_table *table, const kelly_case *run, unsigned count, const kelly_result *results, const kelly_work *work)
+{
+    return tick_of(run, work) == work->tick && kelly_table_error(table) == 0 && seal_of(run, count, results, work) == work->seal;
+}
+
+static uint32_t lesser(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
+}
+
+/* What is not intact stays where it is, for kelly_run_finish to say so. */
 uint32_t kelly_run_advance(const kelly_table *table, const kelly_case *run, unsigned count, kelly_result *results,
                            kelly_work *work, uint32_t ticks)
 {
-    uint32_t tick = work->tick;
+    while (ticks > 0 && work->tick < run->window_last) {
+        const uint32_t tick = work->tick, stop = tick < run->window_first ? run->window_first : run->window_last;
+        const uint32_t part = lesser(ticks, lesser(stop - tick, KELLY_LOOK - tick % KELLY_LOOK));
 
-    while (ticks > 0 && tick < run->window_last) {
-        const uint32_t stop = tick < run->window_first ? run->window_first : run->window_last;
-        const uint32_t part = ticks < stop - tick ? ticks : stop - tick;
-
-        advance(run, part, work);
-        work->tick = tick += part;
-        ticks -= part;
+        if ((tick % KELLY_LOOK == 0 || tick == run->window_first) && !intact(table, run, count, results, work)) {
+            return 0;
+        }
         if (tick == run->window_first) {
             open_window(table, run, count, results, work);
         }
+        advance(run, part, work);
+        work->tick += part;
+        ticks -= part;
     }
-    return tick < run->window_last ? run->window_last - tick : 0;   /* beyond it only where a fault has put it: an end, too */
-}
-
-static int intact(const kelly_table *table, const kelly_case *run, unsigned count, const kelly_result *results, const kelly_work *work)
-{
-    return work->tick == run->window_last && tick_of(run, work) == work->tick && kelly_table_error(table) == 0 &&
-           seal_of(run, count, results, work) == work->seal;
+    return work->tick < run->window_last ? run->window_last - work->tick : 0;   /* beyond it only where a fault has put it: an end, too */
 }
 
 void kelly_run_finish(const kelly_table *table, const kelly_case *run, unsigned count, kelly_result *results, kelly_work *work)
 {
-    if (!intact(table, run, count, results, work)) {
+    if (work->tick != run->window_last || !intact(table, run, count, results, work)) {
         give_up(count, results);
         return;
     }
@@ -175,53 +179,47 @@ void kelly_run_finish(const kelly_table *table, const kelly_case *run, unsigned 
     }
 }
 
-/* The rest of a block that has begun. */
-static void run_block(const kelly_table *table, const kelly_case *run, unsigned count, kelly_result *results, kelly_work *work)
+SHARED void draw(const kelly_case *run, uint64_t seed, uint32_t first, uint32_t count, kelly_result *results)
 {
-    (void)kelly_run_advance(table, run, count, results, work, run->window_last);
-    kelly_run_finish(table, run, count, results, work);
+    for (uint32_t k = 0; k < count; k++) {
+        results[k] = (kelly_result){ .status = KELLY_OK };
+        kelly_draw_sample(run, seed, first + k, &results[k].draw);
+    }
 }
 
 void kelly_run_begin(const kelly_table *table, const kelly_case *run, uint64_t seed, uint32_t first, unsigned count,
                      kelly_result *results, kelly_work *work)
 {
-    for (unsigned l = 0; l < count; l++) {
-        results[l] = (kelly_result){ .status = KELLY_OK };
-        kelly_draw_sample(run, seed, first + l, &results[l].draw);
-    }
+    draw(run, seed, first, count, results);
     begin_block(table, run, count, results, work);
 }
 
-static unsigned lanes_of(uint32_t left)
+/* Realisations whose draws stand in results[], the rest of them zero. */
+static void run_drawn(const kelly_table *table, const kelly_case *run, uint32_t count, kelly_result *results, kelly_work *work)
 {
-    return left < KELLY_LANES ? (unsigned)left : (unsigned)KELLY_LANES;
+    for (uint32_t done = 0; done < count; done += KELLY_LANES) {
+        const unsigned lanes = (unsigned)lesser(count - done, KELLY_LANES);
+
+        begin_block(table, run, lanes, &results[done], work);
+        (void)kelly_run_advance(table, run, lanes, &results[done], work, run->window_last);
+        kelly_run_finish(table, run, lanes, &results[done], work);
+    }
 }
 
 void kelly_run(const kelly_table *table, const kelly_case *run, uint64_t seed, uint32_t first, uint32_t count,
                kelly_result *results, kelly_work *work)
 {
-    for (uint32_t done = 0; done < count;) {
-        const unsigned lanes = lanes_of(count - done);
-
-        kelly_run_begin(table, run, seed, first + done, lanes, &results[done], work);
-        run_block(table, run, lanes, &results[done], work);
-        done += lanes;
-    }
+    draw(run, seed, first, count, results);
+    run_drawn(table, run, count, results, work);
 }
 
 void kelly_run_draws(const kelly_table *table, const kelly_case *run, const kelly_draw *draws, uint32_t count,
                      kelly_result *results, kelly_work *work)
 {
-    for (uint32_t done = 0; done < count;) {
-        const unsigned lanes = lanes_of(count - done);
-
-        for (unsigned l = 0; l < lanes; l++) {
-            results[done + l] = (kelly_result){ .draw = draws[done + l], .status = KELLY_OK };
-        }
-        begin_block(table, run, lanes, &results[done], work);
-        run_block(table, run, lanes, &results[done], work);
-        done += lanes;
+    for (uint32_t k = 0; k < count; k++) {
+        results[k] = (kelly_result){ .draw = draws[k], .status = KELLY_OK };
     }
+    run_drawn(table, run, count, results, work);
 }
 
 static void run_any(const kelly_table *table, const kelly_case *run, uint64_t seed, uint32_t first, uint32_t count,

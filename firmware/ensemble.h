@@ -1,9 +1,9 @@
 /* ensemble.h - draw, integrate, classify a range of indices.
  *
- * Faults of the memory: the table is checked by its CRC when a block begins and when it ends; the coefficients, the draws, the case
- * and the number of steps are sealed (seal.h) when it begins, and looked at when it ends. Where one of them has changed, every
- * realisation of the block gets the status `corrupt`. A change of the state itself is found where it leaves all bounds, and where
- * the weight strays from its exact phase (integrator.h); for the rest, run twice and compare.
+ * Faults of the memory: the coefficients, the draws, the case and the number of steps are sealed (seal.h) when a block begins. Seal and
+ * table (by its CRC) are looked at every KELLY_LOOK steps, before the window opens and when the block ends. Where one of them has
+ * changed, the block goes no further and every realisation of it gets the status `corrupt`. A change of the state itself is found when
+ * the block ends, if it left all bounds then or the weight strayed from its exact phase (integrator.h); for the rest, run twice and compare.
  *
  * The drive is that of the case, stiff or soft. kelly_run fills results[] for indices first .. first + count - 1: the same bits for any lane count and any way of
  * cutting the range.
@@ -14,6 +14,9 @@
 #include "drive.h"
 #include "integrator.h"
 #include "tally.h"
+
+/* Steps between two looks. One takes as long as 40 steps, half a percent of those between. */
+#define KELLY_LOOK 8192u
 
 /* What one call of kelly_run needs beside its results: the caller's, contents of no meaning between calls. */
 typedef struct {

@@ -127,7 +127,7 @@ void kelly_block_resync(kelly_block *block, unsigned lane)
 
 void kelly_block_advance(kelly_block *block, uint32_t ticks)
 {
-    while (ticks > 0) {
+    while (ticks > 0 && block->vectors <= KELLY_VECTORS && block->modes <= KELLY_MODES_MAX) {
         const uint32_t since = block->tick % KELLY_RESYNC;
         const uint32_t part = ticks < KELLY_RESYNC - since ? ticks : KELLY_RESYNC - since;
 

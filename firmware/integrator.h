@@ -97,7 +97,7 @@ void kelly_block_clear(kelly_block *block, const kelly_table *table, const kelly
 void kelly_block_load(kelly_block *block, unsigned lane, const kelly_case *run,
                       const kelly_draw *draw, const kelly_modes *modes);
 
-/* Advance all lanes by `ticks` steps. */
+/* Advance all lanes by `ticks` steps; none where a fault has changed the counts to what would lead out of the struct. */
 void kelly_block_advance(kelly_block *block, uint32_t ticks);
 
 /* Forget the extremes seen so far; the present tick is the first one watched. */

@@ -57,7 +57,7 @@ static uint32_t arrays_crc(const kelly_table *t)
     return crc_reals(crc, t->axial_free_w2, t->axial);
 }
 
-static const char damaged[] = "table is damaged, its CRC is another: rebuild, and look at the memory that holds it";
+static const char damaged[] = "table is damaged, its CRC differs: rebuild, check the memory";
 
 const char *kelly_table_head_error(const kelly_table *table)
 {
@@ -65,10 +65,10 @@ const char *kelly_table_head_error(const kelly_table *table)
         return "table schema differs from the kernel's: regenerate it";
     }
     if (table->real_bytes != sizeof(real)) {
-        return "table precision differs from the kernel's: rebuild both with the same REAL";
+        return "table and kernel differ in precision: rebuild with one REAL";
     }
     if (table->torsional < 1 || table->torsional > KELLY_MODES_MAX || table->axial < 1 || table->axial > KELLY_MODES_MAX) {
-        return "table carries no mode, or more than the kernel's limit";
+        return "table has no mode, or more than the kernel holds";
     }
     return table->degree <= KELLY_DEGREE_MAX && table->head_crc == head_crc(table) ? 0 : damaged;
 }
@@ -102,7 +102,7 @@ const char *kelly_shapes_error(const kelly_table *table, const kelly_shapes *sha
     crc = crc_reals(crc, shapes->axial, a * nodes * n);
     crc = crc_reals(crc, shapes->twist_gram, t * (t + 1u) / 2u * n);
     crc = crc_reals(crc, shapes->axial_gram, a * (a + 1u) / 2u * n);
-    return crc == shapes->crc ? 0 : "the mode shapes are damaged, their CRC is another: rebuild";
+    return crc == shapes->crc ? 0 : "the mode shapes are damaged: rebuild";
 }
 
 real kelly_poly(const real *p, unsigned degree, real s)

@@ -7,11 +7,11 @@
  *
  *   same       every bit of every result is that of the clean run
  *   near       each severity within NEAR of the clean one, and on the same side of the limit
- *   detected   a realisation has a status other than ok, at the latest when its block ends
+ *   detected   a realisation has a status other than ok
  *   moved      none of these, but every realisation on its side of the limit: the count is right, a severity is not
  *   wrong      a silent wrong count
  *
- * Table and coefficients: nothing may be moved or wrong. State: a flipped bit in it is a small push to the string, or to an extreme that
+ * Table and coefficients: nothing may be moved or wrong, no flip may end the program, and the block stands still within KELLY_LOOK steps. State: a flipped bit in it is a small push to the string, or to an extreme that
  * has been seen, and which of them matter nobody can say without running it again; how many are moved or wrong is a figure, and with
  * engine_run's `twice` none may be.
  *
@@ -172,7 +172,7 @@ void flip(const site *s, unsigned bit)
     ((uint8_t *)s->at)[bit / 8] ^= (uint8_t)(1u << (bit % 8));
 }
 
-static void flip_any(void *of)
+void flip_any(void *of)
 {
     const site *const s = &sites[below(site_count)];
 
@@ -205,6 +205,11 @@ static void say(const char *what, const tally *t)
     printf("\n");
 }
 
+static uint32_t larger(uint32_t a, uint32_t b)
+{
+    return a > b ? a : b;
+}
+
 static void none_silent(const uint32_t outcomes[OUTCOMES])
 {
     EQUAL(outcomes[MOVED], 0);
@@ -223,6 +228,8 @@ int main(int argc, char **argv)
     const uint32_t flips = (argc > 1 ? (uint32_t)atoi(argv[1]) : 4000u) / 4;
     tally table = { 0 }, coefficients = { 0 }, counts = { 0 }, state = { 0 }, far = { 0 }, small = { 0 };
 
+    uint32_t most = 0;
+
     lanes = KELLY_WIDTH == 1 ? 1 : 2 * KELLY_WIDTH;
     kelly_rng_key(&rng, 20261127, 0, 0);
     for (unsigned c = 0; c < sizeof(cases) / sizeof(cases[0]); c++) {
@@ -230,6 +237,7 @@ int main(int argc, char **argv)
         flips_in_table(&table, flips);
         flips_in_coefficients(&coefficients, cases[c].soft, flips);
         flips_in_counts(&counts, cases[c].soft);
+        most = larger(most, steps_until_told(cases[c].soft, flips / 10));
         flips_in_state(&state, cases[c].soft, flips);
         numbers_in_state(&far, &small, cases[c].soft, KELLY_WIDTH == 1 ? 1 : 11);
         numbers_in_draws(cases[c].soft);
@@ -242,6 +250,8 @@ int main(int argc, char **argv)
     say("the state, bits", &state);
     say("the state, set to NaN, Inf, 1e38", &far);
     say("the state, set to a denormal, 0, the other sign", &small);
+    printf("figure: steps from a flipped bit to the end of its block, %s%s: at most %u of %u\n", KELLY_ISA_NAME, sizeof(real) > 4 ? " double" : "", most, KELLY_LOOK);
+    CHECK(most > KELLY_LOOK / 2 && most <= KELLY_LOOK);
     none_silent(table.alone);
     EQUAL(table.alone[SAME] + table.alone[WITHIN], 0);
     none_silent(coefficients.alone);

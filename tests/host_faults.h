@@ -51,6 +51,7 @@ void add_vectors(vreal *from, unsigned count);      /* each lane a place of its 
 #define SPAN(type, a, b) ((unsigned)((offsetof(type, b) - offsetof(type, a)) / sizeof(vreal)) + 1)
 
 void flip(const site *s, unsigned bit);
+void flip_any(void *of);                            /* a bit of any of them */
 
 /* A bit somewhere in the places that `add_places` gives, at any instant of a block under way. */
 void flips_in_block(tally *t, void (*add_places)(int soft), int soft, uint32_t flips);
@@ -66,5 +67,6 @@ void numbers_in_commands(void);
 void flips_in_table(tally *t, uint32_t flips);
 void flips_in_coefficients(tally *t, int soft, uint32_t flips);
 void flips_in_counts(tally *t, int soft);
+uint32_t steps_until_told(int soft, uint32_t flips);
 
 #endif

@@ -148,7 +148,7 @@ void flips_in_coefficients(tally *t, int soft, uint32_t flips)
     flips_in_block(t, add_places, soft, flips);
 }
 
-/* ---- words that say how far a loop goes: a flip may lead out of the memory, where the processor stops the program ------ */
+/* ---- words that say how far a loop goes: a flip may lead out of the memory, so each is tried in a child --------------- */
 
 static void flip_this(void *of)
 {
@@ -157,7 +157,7 @@ static void flip_this(void *of)
     flip(&sites[what[0]], what[1]);
 }
 
-/* -> an outcome; DETECTED where a child was stopped by a signal. */
+/* -> an outcome; WRONG where the child was stopped by a signal, its alarm against a loop without end included. */
 static unsigned in_child(uint32_t what[2])
 {
     int status = 0;
@@ -171,7 +171,7 @@ static unsigned in_child(uint32_t what[2])
     if (child < 0 || waitpid(child, &status, 0) != child) {
         exit(1);
     }
-    return WIFEXITED(status) ? (unsigned)WEXITSTATUS(status) : DETECTED;
+    return WIFEXITED(status) ? (unsigned)WEXITSTATUS(status) : WRONG;
 }
 
 void flips_in_counts(tally *t, int soft)
@@ -191,4 +191,38 @@ void flips_in_counts(tally *t, int soft)
             t->alone[in_child((uint32_t[2]){ s, bit })]++;
         }
     }
+}
+
+/* ---- how soon ----------------------------------------------------------------------------------------------------- */
+
+static void flip_coefficient(void *of)
+{
+    site_count = 0;
+    add_places(*(const int *)of);
+    flip_any(0);
+}
+
+/* Long blocks, struck anywhere, in turn in the table and elsewhere: -> the most steps that went by until the block stood still. */
+uint32_t steps_until_told(int soft, uint32_t flips)
+{
+    uint32_t most = 0;
+
+    for (uint32_t i = 0; i < flips; i++) {
+        uint32_t at, left;
+
+        run = base;
+        run.ticks = run.window_last = 4 * KELLY_LOOK;
+        run.window_first = KELLY_LOOK / 4;
+        at = below(run.window_last - 1) + 1;
+        copy_table();
+        kelly_run_begin(&copy, &run, 7, first, lanes, results, &work);
+        (void)kelly_run_advance(&copy, &run, lanes, results, &work, at);
+        (i % 2 == 0 ? flip_table : flip_coefficient)(&soft);
+        left = kelly_run_advance(&copy, &run, lanes, results, &work, 4 * KELLY_LOOK);
+        kelly_run_finish(&copy, &run, lanes, results, &work);
+        EQUAL(left, 0);
+        CHECK(work.tick >= at && results[0].status == KELLY_CORRUPT && results[lanes - 1].status == KELLY_CORRUPT);
+        most = work.tick - at > most ? work.tick - at : most;
+    }
+    return most;
 }

@@ -191,6 +191,58 @@ static void gives_up_what_has_changed(void)
     }
 }
 
+/* A table that changes after `at` steps is told before step `told`, though the block could go on to its end. */
+static void stands_still(uint32_t at, uint32_t told)
+{
+    kelly_table table = kelly_string;
+
+    kelly_run_begin(&table, &run, 4, 7, 1, results, &fixture.ensemble.work);
+    EQUAL(kelly_run_advance(&table, &run, 1, results, &fixture.ensemble.work, at), run.window_last - at);
+    table.fc_max *= R(2.0);
+    EQUAL(kelly_run_advance(&table, &run, 1, results, &fixture.ensemble.work, run.window_last), 0);
+    EQUAL(fixture.ensemble.work.tick, told);
+    kelly_run_finish(&table, &run, 1, results, &fixture.ensemble.work);
+    expect_corrupt(&results[0]);
+}
+
+static void looks_in_between(void)
+{
+    random_case(KELLY_LOOK + 20);
+    run.window_first = 40;
+    stands_still(30, 40);
+    stands_still(50, KELLY_LOOK);
+}
+
+/* Counts that would lead out of the struct move nothing. */
+static void does_not_follow_senseless_counts(void)
+{
+    kelly_work *const work = &fixture.ensemble.work;
+
+    random_case(20);
+    kelly_block_clear(&work->block, &kelly_string, &run, 1);
+    work->block.modes = KELLY_MODES_MAX + 1u;
+    kelly_block_advance(&work->block, 3);
+    EQUAL(work->block.tick, 0);
+    work->block.modes = KELLY_MODES_MAX;
+    work->block.vectors = KELLY_VECTORS + 1u;
+    kelly_block_advance(&work->block, 3);
+    EQUAL(work->block.tick, 0);
+    work->block.vectors = KELLY_VECTORS;
+    kelly_block_advance(&work->block, 3);
+    EQUAL(work->block.tick, 3);
+    kelly_driven_clear(&work->driven, &kelly_string, &run, 1);
+    work->driven.modes = KELLY_MODES_MAX + 1u;
+    kelly_driven_advance(&work->driven, 3);
+    EQUAL(work->driven.tick, 0);
+    work->driven.modes = KELLY_MODES_MAX;
+    work->driven.vectors = KELLY_VECTORS + 1u;
+    kelly_driven_advance(&work->driven, 3);
+    EQUAL(work->driven.tick, 0);
+    work->driven.vectors = KELLY_VECTORS;
+    kelly_driven_advance(&work->driven, 3);
+    EQUAL(work->driven.tick, 3);
+}
+
 /* A bad neighbour in the same range changes nothing. */
 static void keeps_neighbours_apart(void)
 {
@@ -255,6 +307,8 @@ void test_ensemble(void)
     refuses_without_guessing();
     begins_nothing_of_a_changed_table();
     gives_up_what_has_changed();
+    looks_in_between();
+    does_not_follow_senseless_counts();
     keeps_neighbours_apart();
     runs_given_draws();
     marks_lift_off();
