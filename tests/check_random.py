@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """check_random - the laws and the independence of the draws, as the realisations take them: five parameters, index after index.
 
-Needs build/host/random-stream. Every p is of a fixed seed and must lie in 1e-6 .. 1 - 1e-6 where it has two sides, above 1e-6 where
-it has one. That the tests can see something is a claim as well: keys that are not mixed, a law that is a percent off.
-The figures give the least p of each family. Last line `N passed, N failed`.
+Needs build/host/random-stream. Every p is of a fixed seed and must lie in 1e-6 .. 1 - 1e-6, above 1e-6 where it
+counts both sides already. That the tests can see something is a claim as well: keys that are not mixed, a law that is a percent off.
+The figures give the least and the greatest p of each family. Last line `N passed, N failed`.
 """
 import os
 import subprocess
@@ -31,10 +31,10 @@ def claim(holds, what):
         print(f"FAIL {what}", flush=True)
 
 
-def take(family, what, p):
-    """One p of a family."""
+def take(family, what, p, both=False):
+    """One p of a family; `both`: it counts both sides already, else draws that are too even give one near 1."""
     families.setdefault(family, []).append(float(p))
-    claim(LIMIT <= p, f"{family}, {what}: p {p:.3g}")
+    claim(LIMIT <= p <= (1.0 if both else 1.0 - LIMIT), f"{family}, {what}: p {p:.17g}")
 
 
 def made(what, dtype, number, *more):
@@ -187,9 +187,9 @@ def check_birthdays():
     for over in ("index", "seed", "draw"):
         of = states(over, 1 << 22)
         for k in range(4):
-            take("birthday spacings of first states, 2^12 in 2^32", f"over {over}, word {k}", few_birthdays(of[:, k]))
+            take("birthday spacings of first states, 2^12 in 2^32", f"over {over}, word {k}", few_birthdays(of[:, k]), both=True)
         for a, b in ((0, 1), (2, 3), (0, 2), (1, 3)):
-            take("birthday spacings of first states, 2^22 in 2^64", f"over {over}, words {a} {b}", many_birthdays(of[:, a], of[:, b]))
+            take("birthday spacings of first states, 2^22 in 2^64", f"over {over}, words {a} {b}", many_birthdays(of[:, a], of[:, b]), both=True)
 
 
 def check_power():
@@ -204,6 +204,11 @@ def check_power():
     draws = gammas(INDICES * PARAMETERS, 0.2, "over=draw", "streams=0", f"seed={SEED}")
     u = np.sort(uniform(draws, 0.202))
     claim(law(draws, 0.202) < LIMIT and kolmogorov(u) < LIMIT and darling(u) < LIMIT, "a spread that is a percent off goes unseen")
+    even = (np.arange(INDICES) + 0.5) / INDICES
+    row, column = np.divmod(np.arange(32 * 32 * 400), 32 * 400)
+    claim(law(stats.gamma.ppf(even, 25.0, scale=0.04), 0.2) > 1 - LIMIT and kolmogorov(even) > 1 - LIMIT and darling(even) > 1 - LIMIT and
+          cells((row + 0.5) / 32, (column + 0.5) / (32 * 400), bins=32) > 1 - LIMIT, "draws that are too even go unseen")
+    claim(correlation([(normal(even), np.resize((-1.0, 1.0, 1.0, -1.0), INDICES))]) > 1 - LIMIT, "a correlation that is too near 0 goes unseen")
     for z, p in ((2.4923, 0.05), (3.8781, 0.01)):         # Marsaglia and Marsaglia 2004
         claim(abs(darling_tail(z) / p - 1) < 2e-3, f"tail of Anderson and Darling at {z}: {darling_tail(z)}")
     for z in (14.0, 18.0):                                # its largest weight, 1/2, times the product of 1 - 2 / (j (j + 1)), to the -1/2
@@ -215,7 +220,7 @@ def main():
     for check in (check_power, check_laws, check_stream, check_seeds, check_birthdays):
         check()
     for family, ps in families.items():
-        print(f"figure: random, {family}: {len(ps)} p, least {min(ps):.3g}")
+        print(f"figure: random, {family}: {len(ps)} p, {min(ps):.3g} .. {max(ps):.7g}")
     least = [min(ps) for ps in families.values()]
     print(f"figure: random, gamma draws: {draws_made}; least of all {sum(map(len, families.values()))} p: {min(least):.3g}")
     print(f"{count[True]} passed, {count[False]} failed")
