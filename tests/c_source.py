@@ -1,16 +1,18 @@
 """c_source - functions, loops and function pointers of a C file in this tree's style, without a compiler.
 
 A function is what stands before a brace at the outermost level and ends in a parameter list. A loop is bounded in sight where
-its condition compares a variable with something that the loop does not change, and every turn moves that variable by steps:
+its condition compares a variable with something that the loop does not change, and every turn moves that variable towards it, by
+a step that is not 0, and the type of the variable does not end before:
 `for (k = 0; k < n; k++)`, `while (n-- > 0)`, `while (p < end) { ...; p++; }`. All else asks for a reason.
 """
 import functools
 import os
 import re
 
-STEP = r"(?:\+\+|--|(?:[-+]|<<|>>|/)= *[^=])"
 NAME = r"[A-Za-z_]\w*"
-COMPARES = re.compile(rf"^\(*(\+\+|--)?({NAME}(?:(?:->|\.){NAME})*)(\+\+|--)?(?: [-+] \w+)? (?:<|<=|>|>=|!=) (.+)$")
+COMPARES = re.compile(rf"^\(*(\+\+|--)?({NAME}(?:(?:->|\.){NAME})*)(\+\+|--)?(?: [-+] \w+)? (<=|<|>=|>|!=) (.+)$")
+TYPE = r"\b(?:unsigned|signed|int|long|short|char|size_t|ptrdiff_t|u?int(?:8|16|32|64)_t)\b"
+NUMBER = re.compile(r"(0[xX][0-9a-fA-F]+|\d+)[uUlL]*$")
 
 
 def blanked(text):
@@ -106,7 +108,7 @@ class Source:
                 end = closing(self.code, bracket)
                 head = " ".join(self.code[bracket + 1:end].split())
                 parts = head.split(";") if match[1] == "for" else ["", head, ""]
-                yield Loop(self.line_of(match.start()), bounded(parts[1].strip(), parts[2].strip(), self.body(end + 1)))
+                yield Loop(self.line_of(match.start()), bounded(parts[1].strip(), parts[2].strip(), self.body(end + 1), self.code[:end]))
 
 
 def conjuncts(condition):
@@ -132,19 +134,56 @@ def paths(text):
         yield from (match[0][:m.end()] for m in re.finditer(NAME, match[0]))
 
 
-def bounded(condition, step, body):
+def number(text):
+    found = NUMBER.match(text)
+    return int(found[1], 0) if found else None
+
+
+def move(name, text):
+    """(direction, size) of the one step of `name` in text, 0 for a direction towards 0, or for a size that cannot be seen; None where
+    there is no step, or two."""
+    own, back = rf"(?<![\w.>]){re.escape(name)}", rf"{re.escape(name)}(?!\w)"
+    found = [(1, 1)] * len(re.findall(rf"{own}\+\+|\+\+{back}", text)) + [(-1, 1)] * len(re.findall(rf"{own}--|--{back}", text))
+    for sign, by in re.findall(rf"{own} *(\+|-|<<|>>|/)= *([^=,;]+)", text):
+        size = number(by.strip()) or int(by.strip().isupper())          # a macro is a constant, and none here is 0
+        found.append({"+": (1, size), "-": (-1, size), "<<": (1, 0), ">>": (0, size), "/": (0, max(size - 1, 0))}[sign])
+    return found[0] if len(found) == 1 else None
+
+
+def type_of(name, before):
+    """Of the last declaration of a variable before a place; "" where none is found."""
+    found = re.findall(rf"({TYPE}(?:\s+{TYPE})*)(?:(?!{TYPE})[^;(){{}}])*?(?<![\w.>]){re.escape(name)}\b", before)
+    return found[-1] if found else ""
+
+
+def arrives(direction, size, compared, limit, kind):
+    """Whether steps of this kind reach the limit: not away from it, not over it, not past the end of the type and round again."""
+    value, narrow = number(limit), re.search(r"char|short|int(8|16)_t", kind)
+    signed = kind != "" and not re.search(r"unsigned|uint|size_t", kind)
+    largest = {"uint8_t": 255, "uint16_t": 65535}.get(kind, 127) if narrow or kind == "" else 2**31 - 1
+    if size == 0 or direction == 0:
+        return size > 0 and value == 0 and compared in (">", "!=")
+    if direction > 0 and compared in ("<", "<="):
+        return value <= largest - (compared == "<=") if value is not None else compared == "<" and not narrow
+    if direction < 0 and compared == ">=":
+        return signed or (value is not None and value >= size)
+    return (direction < 0 and compared == ">" and (signed or size == 1)) or (compared == "!=" and size == 1)
+
+
+def bounded(condition, step, body, before):
     for part in conjuncts(condition):
         match = COMPARES.match(part)
         if not match:
             continue
-        name, limit = match[2], match[4]
-        own = bool(match[1] or match[3])
-        steps = len(re.findall(rf"(?<![\w.>]){re.escape(name)} *{STEP}|(?:\+\+|--){re.escape(name)}(?!\w)", step))
+        name, compared, limit = match[2], match[4], match[5]
         inside = changes(name, body)
         walked = re.findall(rf"^ *{re.escape(name)}(?:\+\+|--);", body, re.M)
         held = not re.search(rf"{NAME}\s*\(", re.sub(r"\b(?:sizeof|R|W)\s*\(", "(", limit))
         held = held and not any(changes(n, body) or changes(n, step) for n in paths(limit))
-        if held and ((own or steps == 1) and inside == 0 or not own and steps == 0 and len(walked) == 1 and inside == 1 and "continue" not in body):
+        made = [m for m in (move(name, part), move(name, step)) if m]
+        if inside == 1 and len(walked) == 1 and not made and "continue" not in body:
+            made, inside = [move(name, walked[0])], 0
+        if held and inside == 0 and len(made) == 1 and arrives(*made[0], compared, limit, type_of(name, before)):
             return True
     return False
 

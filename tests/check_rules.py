@@ -232,6 +232,7 @@ def table_against_clang_tidy(rows):
 
 # ---- planted faults ------------------------------------------------------------------------------------------------------
 
+COUNTS = "int count(unsigned n);\nint count(unsigned n)\n{\n    int s = 0;\n\n    for (%s) {\n        s++;\n    }\n    return s;\n}\n"
 PLANTED = {
     "misra": ("misra/17.7", "int twice(int x);\nvoid lost(void);\nint twice(int x) { return 2 * x; }\nvoid lost(void) { twice(1); }\n"),
     "cppcheck": ("cppcheck/arrayIndexOutOfBounds", "int at(void);\nint at(void)\n{\n    int a[2] = { 1, 2 };\n\n    return a[2];\n}\n"),
@@ -243,6 +244,12 @@ PLANTED = {
     "length": ("power-of-ten/length", "int long_one(int x);\nint long_one(int x)\n{\n" + "    x++;\n" * 57 + "    return x;\n}\n"),
     "loop": ("power-of-ten/loop", "int until(const volatile int *p);\nint until(const volatile int *p)\n{\n    while (*p == 0) {\n    }\n    return 1;\n}\n"),
     "loop-counter": ("power-of-ten/loop", "int up(int n);\nint up(int n)\n{\n    for (int k = 0; k < n; k++) {\n        k -= 1;\n    }\n    return n;\n}\n"),
+    "loop-zero": ("power-of-ten/loop", COUNTS % "unsigned i = n; i >= 0; i--"),
+    "loop-away": ("power-of-ten/loop", COUNTS % "int i = 0; i < n; i -= 1"),
+    "loop-still": ("power-of-ten/loop", COUNTS % "int i = 0; i < n; i += 0"),
+    "loop-narrow": ("power-of-ten/loop", COUNTS % "uint8_t i = 0; i < 256u; i++"),
+    "loop-over": ("power-of-ten/loop", COUNTS % "int i = 0; i != n; i += 2"),
+    "loop-last": ("power-of-ten/loop", COUNTS % "unsigned i = 0; i <= n; i++"),
     "recursion": ("power-of-ten/recursion", "int even(int n);\nint odd(int n);\nint even(int n) { return n == 0 ? 1 : odd(n - 1); }\n"
                                             "int odd(int n) { return n == 0 ? 0 : even(n - 1); }\n"),
     "indirect-call": ("power-of-ten/indirect-call", "typedef int work(int);\nint run(work *f);\nint run(work *f) { return f(1); }\n"),
