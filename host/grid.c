@@ -7,12 +7,36 @@
 
 #define AXIS_TEXT 128
 
-double decimal(double x)
+static double as_text(double x)
 {
     char text[40];
 
     snprintf(text, sizeof(text), "%.12g", x);
     return strtod(text, 0);
+}
+
+/* A whole number of 12 digits over a power of ten: both are exact in double, so the quotient is rounded as strtod rounds the text. Where
+ * the thirteenth digit leaves a doubt, or x is beyond the powers, the text itself. An axis may have a million values. */
+double decimal(double x)
+{
+    static const double ten[] = { 1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
+                                  1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22 };
+    const double size = fabs(x);
+    double scaled, whole;
+    unsigned k = 0;
+
+    if (!(size >= 1e-10 && size < 1e12)) {
+        return as_text(x);
+    }
+    while (k < sizeof(ten) / sizeof(ten[0]) - 1 && size * ten[k + 1] < 1e12) {
+        k++;
+    }
+    scaled = size * ten[k];
+    whole = floor(scaled);
+    if (fabs(scaled - whole - 0.5) < 1e-3) {
+        return as_text(x);
+    }
+    return copysign((whole + (scaled - whole > 0.5)) / ten[k], x);
 }
 
 static axis axis_of(uint32_t count, double from, double step)

@@ -3,10 +3,10 @@
 
 usage: tests/mutate.py [--mutants 300] [--only TEXT] [--quick] [--jobs N] [--list]
 
-A site is an operator, a comparison, a connective or a number in firmware/*.c, firmware/link/*.c and the headers of the lanes
-and forms; each has one to three changes. They are sorted by a hash of SEED, the line and the change, and the first --mutants
-are run: which they are depends on nothing else, so that an edit elsewhere draws no others. What does not compile, and what
-compiles to the same objects in float and in double (compared byte by byte), is no mutant; the next one takes its place.
+A site is an operator, a comparison, a connective or a number in firmware/*.[ch] and firmware/link/*.c; each has one to three changes.
+They are sorted by a hash of SEED, the line and the change, and the first --mutants are run: which they are depends on nothing else, so
+that an edit elsewhere draws no others. What does not compile, and what compiles to the same objects in float and in double (compared
+byte by byte), is no mutant; the next one takes its place.
 
 A mutant is killed when a test ends with another status than 0 or takes ten times its usual time of the processor: the unit
 tests and lanes in float and double at the sample sizes of a board, accuracy, the digests of `make digest` against those of the
@@ -32,7 +32,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 OUT = os.path.join(ROOT, "build", "mutants")
 SEED = "kelly 1"
 LEAST = 0.95
-HEADERS = ("lanes.h", "form_m.h", "form_s.h", "stages.h", "bitrock.h", "severity.h")
+HEADERS = tuple(sorted(f for f in os.listdir(os.path.join(ROOT, "firmware")) if f.endswith(".h")))
 LIMITS = {("unit", 0): 2, ("lanes", 0): 30, ("accuracy", 0): 250, ("unit", 1): 200}    # processor time [s], ten times what they take
 DIGEST = "montecarlo --duration 4 --window 2:4 --mu 0.04 --cov 0.2 --samples 8"      # as in make digest
 # One vector unit beside the plain build: its lanes are the same source, and the others only take longer to compile.
