@@ -158,8 +158,11 @@ unit_objects := $(patsubst tests/%.c,$(dir)/tests/%.o,tests/main.c tests/check.c
 engine_objects := $(dir)/host/engine.o $(dir)/host/files.o
 fault_files := host_faults host_faults_state host_faults_table
 
-unit: $(dir)/unit $(dir)/lanes $(dir)/accuracy $(dir)/drive-numbers $(dir)/faults $(dir)/faults-lanes $(dir)/random-stream
+unit: $(dir)/unit $(dir)/lanes $(dir)/accuracy $(dir)/app-unit $(dir)/drive-numbers $(dir)/faults $(dir)/faults-lanes $(dir)/random-stream
 
+app_files := $(filter-out device estimate,$(patsubst firmware/app/%.c,%,$(wildcard firmware/app/*.c)))
+$(dir)/app-unit: $(dir)/tests/host_app.o $(dir)/tests/check.o $(app_files:%=$(dir)/app/%.o) $(library) $(table_objects)
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -o $@
 $(dir)/unit: $(unit_objects) $(library) $(table_objects)
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -o $@
 $(dir)/lanes: $(dir)/tests/host_lanes.o $(dir)/tests/check.o $(engine_objects) $(library) $(table_objects)
@@ -174,6 +177,12 @@ $(dir)/accuracy: $(dir)/tests/host_accuracy.o $(dir)/detmath.o $(dir)/random.o
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -lm -o $@
 
 $(dir)/random-stream: $(dir)/tests/random_stream.o $(dir)/detmath.o $(dir)/random.o
+	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -o $@
+
+# The device program as a process of this machine.
+device_objects := $(patsubst firmware/%.c,$(dir)/%.o,$(wildcard firmware/app/*.c)) $(dir)/tests/board_here.o
+$(device_objects): CPPFLAGS += -DBOARD_NAME='"here"'
+$(dir)/device: $(device_objects) $(library) $(table_objects)
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -o $@
 
 $(dir)/tests/%.o: tests/%.c $(dir)/flags

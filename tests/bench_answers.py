@@ -4,6 +4,7 @@ import os
 import re
 import struct
 import subprocess
+import threading
 
 import numpy
 
@@ -15,7 +16,7 @@ KELLY = os.path.join(ROOT, "build", "host", "kelly")
 
 def montecarlo(samples, *extra):
     """Rows of the CSV and the digest."""
-    path = os.path.join(ROOT, "build", f"bench-{samples}-{len(extra)}.csv")
+    path = os.path.join(ROOT, "build", f"bench-{samples}-{len(extra)}-{threading.get_ident()}.csv")
     words = [KELLY, "montecarlo", "--duration", "4", "--window", "2:4", "--mu", "0.04", "--cov", "0.2", "--samples", str(samples), "--csv", path, *extra]
     done = subprocess.run(words, check=True, capture_output=True, text=True)
     with open(path, encoding="ascii", newline="") as file:

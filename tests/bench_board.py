@@ -52,8 +52,8 @@ class Silent(Exception):
 
 
 class Board:
-    def __init__(self, target, real="float", icount=None, elf=None, extra=()):
-        self.words = command(target_settings(target), elf or image(target, real), icount, extra)
+    def __init__(self, target, real="float", icount=None, elf=None, extra=(), words=None):
+        self.words = words or command(target_settings(target), elf or image(target, real), icount, extra)
         self.process = subprocess.Popen(self.words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, bufsize=0)
         os.set_blocking(self.process.stdout.fileno(), False)
         os.set_blocking(self.process.stdin.fileno(), False)

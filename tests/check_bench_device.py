@@ -4,6 +4,7 @@
 hello and the image's CRC against the ELF file, campaigns against `kelly montecarlo`, lockstep of two kinds of board, real time
 on the emulator's deterministic clock, the console, WITS, and what must not disturb any of them. Last line `N passed, N failed`.
 """
+import math
 import random
 import re
 import struct
@@ -66,6 +67,16 @@ def runs_a_campaign(target, count=8, soft=False):
         yield results_of(board, 2, 2) == results[2:4], "the job before it"
         status = board.ask("stop", "status")
         yield (status["state"], status["next"], status["end"]) == (0, 4, 4), f"idle afterwards: {status}"
+        long = board.set_case(**(SOFT if soft else {}), ticks=4000000, window_last=4000000)["case_crc"]
+        for first, seed in ((0, 1), (1, 1), (1, 2)):            # all are left half done
+            board.send("run", case_crc=long, seed=seed, first=first, count=1)
+            board.wait(lambda m: m[0] == "status" and m[2]["state"] == 1)
+        board.ask("stop", "status")
+        board.set_case(**(SOFT if soft else {}))
+        yield results_of(board, 1, 2, seed=2) and results_of(board, 0, 3) == results[:3], "other jobs after those that were left half done"
+        board.set_case(mu=as_float(3000.0), **(SOFT if soft else {}))
+        refused = results_of(board, 0, 2)
+        yield all(r["status"] == 1 and r["stuck"] == 0 and r["ss"] == 0 for r in refused), f"a step that is too long for such friction: {refused}"
 
 
 def error_of(board, name, answer="status", **fields):
@@ -94,6 +105,16 @@ def refuses(target):
         yield error_of(board, "lock_step", "lock_answer", session=session, frame=1, ticks=1, top_speed=1.0, weight=1.0) == 8, "lockstep in real time"
         yield board.set_case(mu=as_float(0.03)).get("error") == 8, "another case while a string runs"
         board.ask("stop", "status")
+        command = {"session": session, "number": 1, "top_speed": 5.0, "ramp_ticks": 10, "weight": 80000.0}
+        yield error_of(board, "rt_command", "rt_ack", **command) == 7, "a command after the end"
+        for ns in (500000, 1500000):
+            crc = board.set_case(step_ns=ns)["case_crc"]
+            yield error_of(board, "plant_start", "plant_reply", case_crc=crc, mode=3, **START) == 4, f"real time with a step of {ns} ns"
+            board.line("start")
+            yield board.line("SYST:ERR?").startswith("-221"), f"and on the console: {ns} ns"
+        reply = board.ask("plant_start", "plant_reply", case_crc=board.set_case(mu=as_float(3000.0))["case_crc"], mode=2, **START)
+        yield reply["status"] == 1, f"a string whose step is too long: {reply}"
+        board.set_case()
         for number, body, code, what in ((77, b"", 2, "no such type"), (2, b"", 2, "an answer as a request"), (77, bytes(range(256)) + bytes(135), 2, "the largest frame"),
                                          (9, b"\0", 3, "a body that is too long"), (6, b"\0" * 19, 3, "one that is too short"), (1, b"\0" * 9, 3, "a hello of another size")):
             board.pump(link.raw_frame(number, 4000 + number, body))
@@ -181,8 +202,14 @@ def steps_together(targets):
         for wrong, code in (({"frame": 99}, 7), ({"frame": 102}, 7), ({"frame": 101, "ticks": 0}, 4), ({"frame": 101, "weight": -1.0}, 4), ({"frame": 101, "weight": 1e10}, 4), ({"session": 71}, 7)):
             yield error_of(one, "lock_step", "lock_answer", **{**ask, **wrong}) == code, f"{wrong} is error {code}"
         yield one.ask("lock_step", "lock_answer", **{**ask, "frame": 101, "ticks": 1})["tick"] == 5001, "and the next one goes on"
+        long = {**ask, "frame": 102, "ticks": 20000}
+        one.send("lock_step", 9001, **long)
+        one.send("lock_step", 9002, **long)
+        yield error_of(one, "lock_step", "lock_answer", **{**ask, "frame": 103}) == 7, "not before the answer"
+        got = [m for m in (one.wait(lambda m: m[0] == "lock_answer"),) if m[1] == 9002]
+        yield len(got) == 1 and got[0][2]["tick"] == 25001, "a request that comes again is answered once, to the last"
         one.hello()
-        yield error_of(one, "lock_step", "lock_answer", **{**ask, "frame": 102}) == 7, "not after a hello"
+        yield error_of(one, "lock_step", "lock_answer", **{**ask, "frame": 103}) == 7, "not after a hello"
 
 
 # ---- real time ----
@@ -266,6 +293,7 @@ def takes_commands(target):
         sample = board.wait(lambda m: m[0] == "rt_sample")[2]
         yield sample["tick"] > 200 and sample["top_speed"] == as_float(5.0) and sample["state"] == 0, f"{sample}"
         yield error_of(board, "rt_command", "rt_ack", **{**command, "number": 2, "weight": 0.0}) == 4, "no weight"
+        yield error_of(board, "rt_command", "rt_ack", **{**command, "number": 2, "ramp_ticks": 0}) == 4, "no time to get there"
         report = board.ask("rt_query", "rt_report", session=session)
         yield report["commands"] == 1 and report["tick"] > 200, f"{report}"
         board.wait(lambda m: m[0] == "rt_sample" and m[2]["tick"] > 2300)
@@ -300,6 +328,15 @@ def talks_to_people(target):
             board.pump(line.encode() + b"\n")
         errors = [board.line("Syst:Error?").split(",")[0] for _ in range(5)]
         yield errors == ["-121", "-121", "-108", "-113", "0"], f"parameters: {errors}"
+        for line in ("wits", "wits 2", "wob 0.5", "wob 9999"):
+            board.line(line)
+        errors = [board.line("SYST:ERR?").split(",")[0] for _ in range(4)]
+        yield errors == ["-109", "-222", "-222", "-222"], f"out of range: {errors}"
+        board.line("bogus")
+        board.line("*CLS")
+        yield board.line("SYST:ERR?") == '0,"No error"', "*CLS empties the queue"
+        board.pump(b"WITS?\n")
+        yield wits.one(board.wait_text(b"!!\r\n"))["0120"] is None, "WITS? without a string"
         for line in ("rpm 120", "WOB 90.5", "Mu .004"):
             board.line(line)
         yield [board.line(q) for q in ("RPM?", "WOB?", "MU?")] == ["120.00", "90.50", "0.004000"], "settings"
@@ -308,14 +345,20 @@ def talks_to_people(target):
         values = reading_until(board, lambda v: v[0] > 0.5)
         yield values and len(values) == 6 and abs(values[2] - 120) < 0.01 and 40 < values[5] < 140, f"reading {values}"
         yield board.line("SYST:ERR?").startswith("-221"), "mu while it runs"
+        board.line("rpm 99999999")
+        yield board.line("SYST:ERR?").startswith("-222"), "a speed that the step cannot be trusted with"
         board.line("RPM 60")
         yield reading_until(board, lambda v: v[2] == 60), "the top follows"
         yield re.fullmatch(r"\d+,\d+,\d+\.\d", board.line("STATus?")), "status"
-        board.line("wits on")
+        board.line("wits 1")
         said = board.wait_text(b"!!\r\n") + board.wait_text(b"!!\r\n")
         yield [f["0120"] for f in wits.frames(said)][1:] == [60], f"WITS of the console: {said!r}"
-        board.line("WITS OFF")
+        board.line("WITS 0")
         board.line("STOP")
+        board.line("  *RST")
+        yield board.line("RPM?") == "%.2f" % (W0 * 30 / math.pi), "*RST: the table's case"
+        board.line("wits on")
+        board.line("wits off")
         yield board.line("SYST:ERR?") == '0,"No error"', "no error at the end"
         yield board.hello()["board"] == target, "a hello finds the bench behind the console"
         board.set_case()

@@ -4,21 +4,26 @@
 usage: tests/check_coverage.py [--kernel] [--missed]
 
 A copy of the tree is built by clang with counters, and the tests run in it as they are: the unit tests and lanes in float and
-double count for firmware/, the checks below for host/. firmware/app and firmware/board run on boards only:
-tests/check_board_coverage.py. What cannot be reached is listed with its reason in tests/uncovered.txt,
+double and the device program as a process (tests/board_here.c) under the scenarios of the bench count for firmware/, the checks below for
+host/. firmware/board is registers and start-up, which only a board has: tests/check_board_coverage.py. What cannot be reached is listed with its reason in tests/uncovered.txt,
 `FILE | line, true or false | text of the line, or of the condition | reason`; an entry that is covered after all, or fits no line, is a failure.
 --kernel leaves the checks of host/ out, --missed shows every place that is not covered. Last line `N passed, N failed`.
 """
 import argparse
 import collections
+import concurrent.futures
 import os
 import re
 import shutil
 import subprocess
 import sys
 
+import check_bench_device
 import coverage_data
+from bench_board import Board
+from check_board_coverage import ESTIMATES, SCENARIOS
 from run_target import ROOT
+from run_target import run as run_device
 
 TREE = os.path.join(ROOT, "build", "coverage", "tree")
 PARTS = ("Makefile", "README.md", "firmware", "gen", "host", "linker", "tests")
@@ -102,7 +107,7 @@ def judge(files, folder, excused):
     """{kind: [covered, all, excused]} of the files below a folder, and what was missed."""
     sums, missed, used = collections.defaultdict(lambda: [0, 0, 0]), [], set()
     for path in sorted(files):
-        if not path.startswith(folder) or "/tables/" in path:
+        if not path.startswith(folder) or "/tables/" in path or path.startswith("firmware/board/"):
             continue
         with open(os.path.join(TREE, path), encoding="utf-8") as source:
             text = source.read().splitlines()
@@ -129,11 +134,65 @@ def unit_programs():
     """Profiles and programs of the tests of the kernel."""
     profiles, programs = [], []
     for suffix, real in (("", "float"), ("-double", "double")):
-        run(f"build{suffix}", ["make", "-s", f"-j{os.cpu_count()}", "all", "unit", f"REAL={real}"])
-        for program in ("unit", "lanes"):                  # accuracy reaches nothing more
+        run(f"build{suffix}", ["make", "-s", f"-j{os.cpu_count()}", "all", "unit", f"build/host{suffix}/device", f"REAL={real}"])
+        for program in ("unit", "lanes", "app-unit"):                  # accuracy reaches nothing more
             programs.append(os.path.join(TREE, f"build/host{suffix}", program))
             profiles.append(run(program + suffix, [programs[-1]]))
-    return profiles, programs
+    more, others = device_program()
+    return [*profiles, *more], [*programs, *others]
+
+
+class Here(Board):
+    """The device program as a process, which writes its counters when its input ends."""
+
+    def __init__(self, *_, **__):
+        super().__init__("", words=[os.path.join(TREE, "build", "host", "device")])
+
+    def __exit__(self, *_):
+        self.process.stdin.close()
+        os.set_blocking(self.process.stdout.fileno(), True)
+        self.process.stdout.read()
+        self.process.wait()
+        self.process.stdout.close()
+
+
+def scenario(of):
+    """What it claims is the affair of check_bench_device.py; here it must come to its end."""
+    function, more = of
+    try:
+        return sum(1 for _ in function(*more)) > 0, function.__name__
+    except Exception as why:      # noqa: BLE001  whatever it was, it is told
+        return False, f"{function.__name__}: {why!r}"
+
+
+def of_another_table(program):
+    """A copy of the program in which a letter of the table's name is another: its CRC is wrong."""
+    with open(program, "rb") as file:
+        code = file.read()
+    name = re.search(rb"paper-[0-9a-f]{8}\0", code)[0]
+    with open(program + "-damaged", "wb") as file:
+        file.write(code.replace(name, b"q" + name[1:]))
+    shutil.copymode(program, program + "-damaged")
+    return program + "-damaged"
+
+
+def device_program():
+    """The device program under the scenarios of the bench, and its console under what was found by fuzzing; (profiles, programs)."""
+    folder, program = os.path.join(ROOT, "build", "coverage", "device"), os.path.join(TREE, "build", "host", "device")
+    shutil.rmtree(folder, ignore_errors=True)
+    check_bench_device.Board, check_bench_device.image = Here, lambda target: program
+    os.environ["LLVM_PROFILE_FILE"] = os.path.join(folder, "%p.profraw")
+    for line, status in ESTIMATES.items():
+        claim(run_device([program], [line])[0] == status, f"estimate, {line}")
+    said = subprocess.run(["sh", "-c", 'sleep 0.2; echo | "$0"; echo $?', of_another_table(program)], capture_output=True, text=True, check=True).stdout
+    claim(re.search(r"damaged.*\n1$", said), f"a table that is damaged ends the program: {said}")
+    with concurrent.futures.ThreadPoolExecutor(len(SCENARIOS)) as pool:          # they wait most of the time
+        for ends, name in pool.map(scenario, SCENARIOS):
+            claim(ends, name)
+    del os.environ["LLVM_PROFILE_FILE"]
+    console = os.path.join(TREE, "build", "fuzz", "console")
+    run("build-console", ["make", "-s", f"-j{os.cpu_count()}", "build/fuzz/console", f"FUZZ_CC=clang{coverage_data.LLVM} {coverage_data.CFLAGS}"])
+    return [folder, run("console", [console, os.path.join(ROOT, "tests", "fuzz", "corpus", "console"), "-runs=0"])], [program, console]
 
 
 def measure(name, profiles, programs):

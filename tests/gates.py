@@ -42,6 +42,8 @@ GATES = {
     "well-files": ("test", 300, f"{PYTHON} tests/check_wells.py"),
     "unit-float": ("test", 300, "make -s unit && build/host/unit"),
     "unit-double": ("test", 300, "make -s unit REAL=double && build/host-double/unit"),
+    "app-float": ("test", 300, "make -s unit && build/host/app-unit"),
+    "app-double": ("test", 300, "make -s unit REAL=double && build/host-double/app-unit"),
     "lanes-float": ("test", 300, "make -s unit && build/host/lanes"),
     "lanes-double": ("test", 300, "make -s unit REAL=double && build/host-double/lanes"),
     "faults-inside": ("test", 300, "make -s unit && build/host/faults 3400"),

@@ -227,9 +227,11 @@ static void does_not_follow_senseless_counts(void)
     work->block.vectors = KELLY_VECTORS + 1u;
     kelly_block_advance(&work->block, 3);
     EQUAL(work->block.tick, 0);
-    work->block.vectors = KELLY_VECTORS;
+    work->block.vectors = 0;
     kelly_block_advance(&work->block, 3);
     EQUAL(work->block.tick, 3);
+    work->block.modes = KELLY_MODES_MAX + 1u;
+    CHECK(kelly_block_seal(&work->block) != 0);
     kelly_driven_clear(&work->driven, &kelly_string, &run, 1);
     work->driven.modes = KELLY_MODES_MAX + 1u;
     kelly_driven_advance(&work->driven, 3);
@@ -238,9 +240,11 @@ static void does_not_follow_senseless_counts(void)
     work->driven.vectors = KELLY_VECTORS + 1u;
     kelly_driven_advance(&work->driven, 3);
     EQUAL(work->driven.tick, 0);
-    work->driven.vectors = KELLY_VECTORS;
+    work->driven.vectors = 0;
     kelly_driven_advance(&work->driven, 3);
     EQUAL(work->driven.tick, 3);
+    work->driven.modes = KELLY_MODES_MAX + 1u;
+    CHECK(kelly_driven_seal(&work->driven) != 0);
 }
 
 /* A bad neighbour in the same range changes nothing. */
