@@ -184,7 +184,7 @@ def device_program():
     os.environ["LLVM_PROFILE_FILE"] = os.path.join(folder, "%p.profraw")
     for line, status in ESTIMATES.items():
         claim(run_device([program], [line])[0] == status, f"estimate, {line}")
-    said = subprocess.run(["sh", "-c", 'sleep 0.2; echo | "$0"; echo $?', of_another_table(program)], capture_output=True, text=True, check=True).stdout
+    said = subprocess.run(["sh", "-c", '(sleep 0.2; echo) | "$0"; echo $?', of_another_table(program)], capture_output=True, text=True, check=True).stdout
     claim(re.search(r"damaged.*\n1$", said), f"a table that is damaged ends the program: {said}")
     with concurrent.futures.ThreadPoolExecutor(len(SCENARIOS)) as pool:          # they wait most of the time
         for ends, name in pool.map(scenario, SCENARIOS):
