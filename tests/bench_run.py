@@ -11,8 +11,8 @@ import sys
 import tempfile
 
 from bench_board import ROOT, image
+from programs import PROGRAM
 
-KELLY = {real: os.path.join(ROOT, "build", "host" + suffix, "kelly") for real, suffix in (("float", ""), ("double", "-double"))}
 TEMPORARY = tempfile.TemporaryDirectory()
 
 
@@ -24,7 +24,7 @@ class Run:
         Run.number += 1
         self.base = base or os.path.join(TEMPORARY.name, f"{Run.number}-{random.randrange(1 << 30)}")
         self.csv, self.json = self.base + ".csv", self.base + ".json"
-        line = [KELLY[real], "bench", *shlex.split(words)]
+        line = [PROGRAM[real], "bench", *shlex.split(words)]
         if files:
             mode = re.search(r"--mode (\w+)", words)
             line += ["--json", self.json, "--out" if mode else "--csv", self.csv]
@@ -65,7 +65,7 @@ def bytes_of(path):
 def montecarlo(case):
     """Bytes of the CSV, and the digest, of the same realisations on this machine."""
     path = os.path.join(TEMPORARY.name, f"mc-{random.randrange(1 << 30)}.csv")
-    done = subprocess.run([KELLY["float"], "montecarlo", *shlex.split(case), "--csv", path], capture_output=True, text=True, check=True)
+    done = subprocess.run([PROGRAM["float"], "montecarlo", *shlex.split(case), "--csv", path], capture_output=True, text=True, check=True)
     return bytes_of(path), re.search("digest ([0-9a-f]{8})", done.stdout)[1]
 
 

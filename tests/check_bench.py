@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """check_bench - `kelly bench` with emulated boards: campaigns, lockstep, real time, and lines that fail.
 
-usage: tests/check_bench.py [WORD...]      only scenarios whose name holds one of the words
+usage: tests/check_bench.py [--float build/host/kelly] [--double build/host-double/kelly] [WORD...]      only scenarios whose name holds one of the words
 
 Last line `N passed, N failed`.
 """
@@ -17,7 +17,8 @@ import time
 import wits
 from bench_board import ROOT, image, link, loaded
 from bench_line import Between, again
-from bench_run import KELLY, TEMPORARY, Faulty, Run, bytes_of, same_campaign
+from bench_run import TEMPORARY, Faulty, Run, bytes_of, same_campaign
+from programs import PROGRAM
 from scenarios import run as run_scenarios
 
 HEADER, RECORD = 96, 48          # bytes of a journal in float
@@ -54,7 +55,7 @@ def three_kinds_at_once():
         yield board["results"] > 0 and board["board"] == target, f"{target} took part: {board}"
         yield int(board["image_crc"], 16) == link.crc32c(flash) and board["image_bytes"] == len(flash), f"{target}: CRC of the image"
         yield board["emulator"] in run.err and board["emulator"].startswith("qemu-system-"), f"{target}: the emulator's command line is told"
-    again_from = subprocess.run([KELLY["float"], "whatif", "--from", run.csv, "--case-json", run.json, "--mu", "0.0195"], capture_output=True, text=True, check=False)
+    again_from = subprocess.run([PROGRAM["float"], "whatif", "--from", run.csv, "--case-json", run.json, "--mu", "0.0195"], capture_output=True, text=True, check=False)
     yield again_from.returncode == 0, f"its files are good for whatif: {again_from.stderr}"
     print("  " + ", ".join(f"{b['board']} {b['results']}" for b in boards) + f" realisations in {run.report()['seconds']:.2f} s")
 
@@ -346,10 +347,10 @@ def misuse():
         run = Run(f"--port {words} --give-up 0.5", files=False)
         yield run.one_line(1, "no board for", words), f"'{words}': {run.said}"
     with tempfile.TemporaryDirectory() as folder:
-        done = subprocess.run([KELLY["float"], "bench", "--port", "qemu:rv32"], cwd=folder, capture_output=True, text=True, check=False)
+        done = subprocess.run([PROGRAM["float"], "bench", "--port", "qemu:rv32"], cwd=folder, capture_output=True, text=True, check=False)
         yield done.returncode == 2 and "linker/rv32.mk" in done.stderr, f"outside the tree: {done.stderr}"
         os.symlink(os.path.join(ROOT, "linker"), os.path.join(folder, "linker"))
-        done = subprocess.run([KELLY["float"], "bench", "--port", "qemu:rv32"], cwd=folder, capture_output=True, text=True, check=False)
+        done = subprocess.run([PROGRAM["float"], "bench", "--port", "qemu:rv32"], cwd=folder, capture_output=True, text=True, check=False)
         yield done.returncode == 2 and "make TARGET=rv32" in done.stderr, f"no image: {done.stderr}"
 
 
@@ -375,4 +376,4 @@ def scenarios():
 
 
 if __name__ == "__main__":
-    sys.exit(run_scenarios(scenarios(), BOARDS))
+    sys.exit(run_scenarios(__doc__, scenarios(), BOARDS))

@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """check_bench_device - the device program on the bench, in the emulator, asked by the Python codec alone.
 
+usage: tests/check_bench_device.py [--float build/host/kelly] [--double build/host-double/kelly] [WORD...]
+
 hello and the image's CRC against the ELF file, campaigns against `kelly montecarlo`, lockstep of two kinds of board, real time
 on the emulator's deterministic clock, the console, WITS, and what must not disturb any of them. Last line `N passed, N failed`.
 """
@@ -393,4 +395,4 @@ def scenarios():
 
 
 if __name__ == "__main__":
-    sys.exit(run_scenarios(((f"{name} {arguments[0]}", function, arguments) for name, function, arguments in scenarios()), BOARDS))
+    sys.exit(run_scenarios(__doc__, ((f"{name} {arguments[0]}", function, arguments) for name, function, arguments in scenarios()), BOARDS))

@@ -5,7 +5,6 @@ usage: tests/check_cli.py [--float build/host/kelly] [--double build/host-double
 
 Each claim that fails is one line; the last line is `N passed, N failed`. NAME picks single checks.
 """
-import argparse
 import csv
 import io
 import json
@@ -24,10 +23,9 @@ from scipy.stats import beta
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import bad_usage  # noqa: E402
+from programs import PROGRAM, chosen, command_line  # noqa: E402
 from second_opinion import RPM, String, crc32c, modes  # noqa: E402
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-PROGRAM = {}
 count = {True: 0, False: 0}
 SIMULATE_HEADER = "time_s,bit_speed_rpm,bit_torque_kNm,wob_kN,bit_axial_speed_m_s,surface_torque_kNm,top_speed_rpm"
 MONTECARLO_HEADER = "index,fc_kN,mu,alpha1,alpha2,rpm,bit_min_rpm,bit_max_rpm,bit_mean_rpm,ss,stuck,status,liftoff"
@@ -378,14 +376,11 @@ def check_help():
 
 
 def main():
-    parser = argparse.ArgumentParser(description="Checks of the kelly command.")
-    parser.add_argument("--float", default=os.path.join(ROOT, "build", "host", "kelly"))
-    parser.add_argument("--double", default=os.path.join(ROOT, "build", "host-double", "kelly"))
+    parser = command_line(__doc__)
     parser.add_argument("names", nargs="*")
-    chosen = parser.parse_args()
-    PROGRAM.update({"float": os.path.abspath(chosen.float), "double": os.path.abspath(chosen.double)})
+    names = chosen(parser).names
     for name, check in list(globals().items()):
-        if name.startswith("check_") and (not chosen.names or name[6:] in chosen.names):
+        if name.startswith("check_") and (not names or name[6:] in names):
             start = time.monotonic()
             check()
             print(f"{name[6:]:14s} {time.monotonic() - start:6.1f} s", flush=True)

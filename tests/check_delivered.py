@@ -4,11 +4,17 @@
 usage: tests/check_delivered.py [--suite]
 
 The archive is made in this tree, in two unpacked copies of itself and in a repository that one of them is put into, under other
-paths, umasks, time zones and locales: always the same bytes. What is built in two copies is the same bytes too. Every check of
-the command line then runs from within a copy, against the program that was installed from it; --suite: all of `make test`
-from within a copy instead. Needs git. Last line `N passed, N failed`.
+paths, umasks, time zones and locales: always the same bytes. What is built in two copies is the same bytes too.
+
+Every check that runs the host program then runs from within a copy, against the programs that were installed from it; the copy's own are
+taken away first. Of "rare", "bench" and "bench_device", minutes each, a part; --suite: all of them, and `make test` from within
+another copy. Of "use", never what builds strings and asks the generator: neither is installed. Left out for the same reasons are checks of
+what they build themselves (back_to_back, coverage, digests, fuzz, random, rebuilds, sanitizers), of the generator (gen, wells), of boards
+and their images (board_coverage, budgets, images, on_targets, targets), of the link's code (link, faulty_line) and of the source (rules, eva).
+Needs git. Last line `N passed, N failed`.
 """
 import concurrent.futures
+import glob
 import hashlib
 import os
 import re
@@ -23,9 +29,13 @@ TOP = {"Makefile", "README.md", "firmware", "gen", "host", "linker", "tests"}   
 HERE = (0o022, {"TZ": "UTC", "LC_ALL": "C"})
 THERE = (0o077, {"TZ": "Asia/Kathmandu", "LC_ALL": "C.UTF-8", "LANGUAGE": "de"})
 BUILT = ("build/host/kelly", "build/host-double/kelly", "build/host/kelly.1", "build/stm32f405/device.bin")
-# all of each, but for what builds other strings: that is in --suite
-CHECKS = {"cli": (), "map": (), "whatif": (), "until": (), "sensitivity": (), "figures": (),
+BOARDS = ("stm32f405", "mps2-an500", "rv32", "microbit")   # that bench and bench_device ask
+# name: what of it; long ones first. The last relinks the copy's own program, for make install.
+CHECKS = {"map": (), "cli": (), "figures": (), "bench": ("three kinds", "in step", "host killed", "another case", "misuse"),
+          "rare": ("bad_usage", "plain_level", "same_bits", "not_random"), "bench_device": ("campaign",), "nothing_lost": (), "drive": (),
+          "plan": ("--mpi", "{mpi}"), "mpi": ("--mpi", "{mpi}"), "whatif": (), "sensitivity": (), "merge": (), "until": (),
           "use": ("help", "options_are_told", "defaults", "install", "quiet", "progress", "colour", "ssi", "units", "field")}
+PART = ("bench", "rare", "bench_device")
 count = {True: 0, False: 0}
 
 
@@ -50,6 +60,11 @@ def digest(path):
         return f"no {path}"
     with open(path, "rb") as file:
         return hashlib.sha256(file.read()).hexdigest()
+
+
+def make(where, machine, *words):
+    status, _, wrong = run(where, machine, "make", "-s", f"-j{os.cpu_count()}", *words)
+    claim(status == 0, f"make {' '.join(words)} in {where}: {wrong[-300:]}")
 
 
 def dist(where, machine):
@@ -100,25 +115,29 @@ def check_same_archive(first, copies):
     print(f"figure: archives of make dist of the same bytes, over paths, umasks, time zones, with git and without: {same} of 4")
 
 
-def check_same_build(copies):
-    """-> installed programs of the first copy."""
+def build(copies):
     for copy, machine in zip(copies, (HERE, THERE)):
         for words in (("all",), ("all", "REAL=double"), ("TARGET=stm32f405", "device")):
-            status, _, wrong = run(copy, machine, "make", "-s", f"-j{os.cpu_count()}", *words)
-            claim(status == 0, f"make {words} in {copy}: {wrong[-300:]}")
+            make(copy, machine, *words)
+
+
+def installed(copies):
+    """-> {name: program} of what make install of the first copy has put into prefixes of their own."""
     programs = {}
-    for real in ("float", "double"):
-        prefix = os.path.join(os.path.dirname(os.path.dirname(copies[0])), "installed", real)
-        for copy, machine, to in ((copies[1], THERE, prefix + "-there"), (copies[0], HERE, prefix)):
-            status, _, wrong = run(copy, machine, "make", "-s", "install", f"PREFIX={to}", f"REAL={real}")
-            claim(status == 0, f"make install {real}: {wrong[-300:]}")
-        programs[real] = os.path.join(prefix, "bin", "kelly")
-        built = os.path.join(copies[0], "build", "host" + "-double" * (real == "double"), "kelly")
-        claim(digest(programs[real]) == digest(built), f"{real}: another program is installed")
+    for name, kind, settings in (("float", "host", ()), ("double", "host-double", ("REAL=double",)), ("mpi", "mpi", ("MPI=1",))):
+        prefix = os.path.join(os.path.dirname(os.path.dirname(copies[0])), "installed", name)
+        make(copies[0], HERE, "install", f"PREFIX={prefix}", *settings)
+        if name != "mpi":
+            make(copies[1], THERE, "install", f"PREFIX={prefix}-there", *settings)
+        programs[name] = os.path.join(prefix, "bin", "kelly")
+        claim(digest(programs[name]) == digest(os.path.join(copies[0], "build", kind, "kelly")), f"{name}: another program is installed")
+    return programs
+
+
+def check_same_build(copies):
     same = [name for name in BUILT if digest(os.path.join(copies[0], name)) == digest(os.path.join(copies[1], name))]
     claim(same == list(BUILT), f"built twice, the same: {same} of {BUILT}")
     print(f"figure: built twice byte for byte the same: {len(same)} of {len(BUILT)} ({', '.join(same)})")
-    return programs
 
 
 def counts(said):
@@ -126,18 +145,42 @@ def counts(said):
     return (int(found[1]), int(found[2])) if found else (0, 1)
 
 
-def check_suite_of(copy, programs):
-    """The checks of the command line, from within the copy, against what was installed from it."""
-    check = lambda name: run(copy, HERE, sys.executable, f"tests/check_{name}.py", "--float", programs["float"],
-                             "--double", programs["double"], *CHECKS[name])
+def check_all_are_listed():
+    """Every check that lets the command line choose its program is one of CHECKS."""
+    found = set()
+    for path in glob.glob(os.path.join(ROOT, "tests", "check_*.py")):
+        with open(path, encoding="utf-8") as file:
+            if re.search(r"^from (programs|scenarios) import", file.read(), re.M):
+                found.add(os.path.basename(path)[6:-3])
+    claim(found == set(CHECKS), f"checks of the host program and CHECKS differ: {found ^ set(CHECKS)}")
+
+
+def take_away(copy, programs):
+    """What is built but not installed is made, and the copy's own programs are gone: a check that runs them cannot pass."""
+    for board in BOARDS:
+        make(copy, HERE, f"TARGET={board}", "device")
+    for kind, settings in (("host", ()), ("host-double", ("REAL=double",))):
+        make(copy, HERE, f"build/{kind}/drive-numbers", *settings)
+    for kind in ("host", "host-double", "mpi"):
+        os.remove(os.path.join(copy, "build", kind, "kelly"))
+    claim(all(os.path.exists(p) for p in programs.values()), f"installed: {programs}")
+
+
+def check_suite_of(copy, programs, whole):
+    """The checks of the host program, from within the copy, against what was installed from it."""
+    def check(name):
+        words = () if whole and name in PART else [word.format(**programs) for word in CHECKS[name]]
+        return run(copy, HERE, sys.executable, f"tests/check_{name}.py", "--float", programs["float"], "--double", programs["double"], *words)
+    take_away(copy, programs)
+    *names, last = CHECKS
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        results = list(pool.map(check, CHECKS))
+        results = list(pool.map(check, names)) + [check(last)]
     passed = 0
     for name, (status, said, wrong) in zip(CHECKS, results):
         good, bad = counts(said)
         passed += good
         claim(status == 0 and good > 0 and bad == 0, f"check_{name} against the installed program: {(said + wrong)[-1500:]}")
-    print(f"figure: claims about the command line that the installed program meets: {passed}")
+    print(f"figure: claims about the host program that the installed one meets, {len(CHECKS)} checks: {passed}")
 
 
 def check_whole_suite(copy):
@@ -148,17 +191,20 @@ def check_whole_suite(copy):
 
 
 def main():
+    whole = "--suite" in sys.argv[1:]
     with tempfile.TemporaryDirectory() as scratch:
         first = dist(ROOT, HERE)
         check_contents(first)
-        if "--suite" in sys.argv[1:]:
+        check_all_are_listed()
+        copies = [unpack(first, os.path.join(scratch, "one"), HERE), unpack(first, os.path.join(scratch, "another", "place"), THERE)]
+        check_same_archive(first, copies)
+        build(copies)
+        programs = installed(copies)
+        check_same_build(copies)
+        check_suite_of(copies[0], programs, whole)
+        claim(digest(dist(copies[0], HERE)) == digest(first), "after the build and the suite, the archive differs")
+        if whole:
             check_whole_suite(unpack(first, os.path.join(scratch, "suite"), HERE))
-        else:
-            copies = [unpack(first, os.path.join(scratch, "one"), HERE), unpack(first, os.path.join(scratch, "another", "place"), THERE)]
-            check_same_archive(first, copies)
-            programs = check_same_build(copies)
-            check_suite_of(copies[0], programs)
-            claim(digest(dist(copies[0], HERE)) == digest(first), "after the build and the suite, the archive differs")
     print(f"{count[True]} passed, {count[False]} failed")
     return count[False] != 0
 

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """check_drive - tops of variable speed against another implementation, at the command line, and bit for bit.
 
-usage: tests/check_drive.py [NAME...]
+usage: tests/check_drive.py [--float build/host/kelly] [--double build/host-double/kelly] [NAME...]
 
-Needs build/host and build/host-double (make all unit, REAL=float and double). The other implementation is the equations of
+Needs drive-numbers of build/host and build/host-double (make all unit, REAL=float and double). The other implementation is the equations of
 motion as model.md has them, mode shapes from scipy's eigenvalues, integrated by DOP853 to 1e-10. Last line `N passed, N failed`.
 """
 import concurrent.futures
@@ -22,9 +22,9 @@ from scipy.integrate import solve_ivp
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from programs import PROGRAM, ROOT, chosen, command_line  # noqa: E402
 from second_opinion import ALPHA, BETA, RPM, modes  # noqa: E402
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 sys.path.insert(0, os.path.join(ROOT, "gen"))
 import reference  # noqa: E402
 import well as well_  # noqa: E402
@@ -130,7 +130,7 @@ def numbers(real, kind, step_us, seconds, commands=(), program=None, **case):
 
 
 def kelly(real, words):
-    return subprocess.run([os.path.join(ROOT, HOST[real], "kelly")] + words.split(), capture_output=True, text=True, check=False)
+    return subprocess.run([PROGRAM[real]] + words.split(), capture_output=True, text=True, check=False)
 
 
 def near(got, want, within, what):
@@ -283,7 +283,9 @@ def check_compilers():
 
 def main():
     checks = {name[6:]: check for name, check in globals().items() if name.startswith("check_")}
-    for name in sys.argv[1:] or checks:
+    parser = command_line(__doc__)
+    parser.add_argument("names", nargs="*")
+    for name in chosen(parser).names or checks:
         checks[name]()
     print(f"{count[True]} passed, {count[False]} failed")
     return count[False] != 0

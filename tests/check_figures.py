@@ -5,7 +5,6 @@ usage: tests/check_figures.py [--float build/host/kelly] [--double build/host-do
 
 Each claim that fails is one line; the last line is `N passed, N failed`. NAME picks single checks.
 """
-import argparse
 import csv
 import io
 import json
@@ -16,12 +15,11 @@ import sys
 import tempfile
 
 sys.dont_write_bytecode = True
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+from programs import PROGRAM, ROOT, chosen, command_line  # noqa: E402
 sys.path.insert(0, os.path.join(ROOT, "host"))
 import numpy as np  # noqa: E402
 import figures  # noqa: E402
 
-PROGRAM = {}
 count = {True: 0, False: 0}
 QUANTITIES = ("bit_speed_rpm", "bit_axial_speed_m_s", "surface_torque_kNm")
 PLACES = {"q025": 0.025, "q500": 0.5, "q975": 0.975}
@@ -236,14 +234,11 @@ def check_page(here):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--float", default=os.path.join(ROOT, "build/host/kelly"))
-    parser.add_argument("--double", default=os.path.join(ROOT, "build/host-double/kelly"))
+    parser = command_line(__doc__)
     parser.add_argument("names", nargs="*")
-    a = parser.parse_args()
-    PROGRAM.update({"float": os.path.abspath(a.float), "double": os.path.abspath(a.double)})
+    names = chosen(parser).names
     for name, check in list(globals().items()):
-        if name.startswith("check_") and (not a.names or name[6:] in a.names):
+        if name.startswith("check_") and (not names or name[6:] in names):
             with tempfile.TemporaryDirectory() as here:
                 check(here)
     print(f"{count[True]} passed, {count[False]} failed")

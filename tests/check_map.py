@@ -5,7 +5,6 @@ usage: tests/check_map.py [--float build/host/kelly] [--double build/host-double
 
 Each claim that fails is one line; the last line is `N passed, N failed`. NAME picks single checks.
 """
-import argparse
 import csv
 import io
 import json
@@ -23,8 +22,8 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from map_journal import check_disk_full, check_foreign, check_killed, check_lock, check_torn  # noqa: E402
 from map_tools import PROGRAM, SHORT, claim, count, done, kelly, map_json, montecarlo, read, refused  # noqa: E402
+from programs import ROOT, chosen, command_line  # noqa: E402
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 STARTS = ("rest", "rotating")
 SMALL = f"--rpm 60:120:30 --wob 40:140:50 --samples 50 {SHORT}"
 
@@ -67,8 +66,7 @@ def check_cells():
     refusing = cells_are_montecarlo("--rpm 80:120:40 --wob 200:400:100 --samples 40", "--duration 1 --window 0:1 --mu 0.04")
     claim(0 < np.sum(refusing["rest"]["refused_step"]) + np.sum(refusing["rest"]["refused_range"]) < 240, "refused realisations are counted")
     cells_are_montecarlo("--rpm 90 --wob 90 --samples 20000", "--duration 0.1 --window 0:0.1 --cov 0.2")
-    if "double" in PROGRAM:
-        cells_are_montecarlo("--rpm 60.1:60.5:0.1 --wob 40.1:40.4:0.1 --samples 17", SHORT, "double")   # 60.1 + 2 0.1 is not 60.3
+    cells_are_montecarlo("--rpm 60.1:60.5:0.1 --wob 40.1:40.4:0.1 --samples 17", SHORT, "double")   # 60.1 + 2 0.1 is not 60.3
 
 
 def check_same_bytes():
@@ -305,14 +303,9 @@ CHECKS = [check_cells, check_same_bytes, check_adaptive, check_edges, check_grid
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--float", default=os.path.join(ROOT, "build/host/kelly"))
-    parser.add_argument("--double", default=os.path.join(ROOT, "build/host-double/kelly"))
+    parser = command_line(__doc__)
     parser.add_argument("names", nargs="*")
-    args = parser.parse_args()
-    PROGRAM["float"] = os.path.abspath(args.float)
-    if os.path.exists(args.double):
-        PROGRAM["double"] = os.path.abspath(args.double)
+    args = chosen(parser)
     picked = [c for c in CHECKS if not args.names or c.__name__ in args.names or c.__name__[6:] in args.names]
     big = tempfile.mkdtemp()
     process = None if args.names else million(big)

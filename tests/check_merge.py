@@ -5,7 +5,6 @@ usage: tests/check_merge.py [--float build/host/kelly] [--double build/host-doub
 
 Each claim that fails is one line; the last line is `N passed, N failed`. NAME picks single checks.
 """
-import argparse
 import json
 import os
 import random
@@ -18,10 +17,9 @@ import tempfile
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from programs import PROGRAM, ROOT, chosen, command_line  # noqa: E402
 from second_opinion import crc32c  # noqa: E402
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-PROGRAM = {}
 count = {True: 0, False: 0}
 # short, with realisations of every kind: stuck and free, lifted off, refused for the step and for the range
 CASE = "--mu 0.02 --wob 500 --f0 300 --cov 0.45 --duration 4 --window 2:4 --torsional 5"
@@ -80,7 +78,7 @@ def part(folder, name, first, samples, more="", real="float", case=CASE):
 def check_cut(folder):
     """Cut anywhere, merged in any order, and merged again."""
     draws = random.Random(7)
-    for real in (r for r in ("float", "double") if r in PROGRAM):
+    for real in PROGRAM:
         part(folder, "one", 11, 400, real=real)
         want = read(folder, "one.csv"), read(folder, "one.json")
         report = json.loads(want[1].replace(b": -", b": 0"))
@@ -147,12 +145,11 @@ def check_misfits(folder):
                         ("--drive soft", ("drive soft", "stiff"))):
         part(folder, "foreign", 50, 5, more)
         refused("merge a.csv foreign.csv", folder, "foreign.csv", "of another run", *words)
-    if "double" in PROGRAM:
-        part(folder, "foreign", 50, 5, real="double")
-        refused("merge a.csv foreign.csv", folder, "double", "float")
-        part(folder, "base", 0, 50, real="double")
-        part(folder, "foreign", 50, 5, "--mu 0.0200000000001", real="double")
-        refused("merge base.csv foreign.csv", folder, "foreign.csv", "of another run", real="double")
+    part(folder, "foreign", 50, 5, real="double")
+    refused("merge a.csv foreign.csv", folder, "double", "float")
+    part(folder, "base", 0, 50, real="double")
+    part(folder, "foreign", 50, 5, "--mu 0.0200000000001", real="double")
+    refused("merge base.csv foreign.csv", folder, "foreign.csv", "of another run", real="double")
     text = read(folder, "b.csv")
     for bad in (text[:-1], text.replace(b",ok,", b",OK,", 1), text + text.splitlines(True)[-1], b"", text.replace(b"0", b"1", 1)):
         with open(os.path.join(folder, "b.csv"), "wb") as file:
@@ -233,14 +230,9 @@ def check_array(folder):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--float", default=os.path.join(ROOT, "build/host/kelly"))
-    parser.add_argument("--double", default=os.path.join(ROOT, "build/host-double/kelly"))
+    parser = command_line(__doc__)
     parser.add_argument("names", nargs="*")
-    args = parser.parse_args()
-    PROGRAM["float"] = os.path.abspath(args.float)
-    if os.path.exists(args.double):
-        PROGRAM["double"] = os.path.abspath(args.double)
+    args = chosen(parser)
     for name in args.names or [n[6:] for n in globals() if n.startswith("check_")]:
         with tempfile.TemporaryDirectory() as folder:
             globals()["check_" + name](folder)

@@ -1,11 +1,10 @@
 #!/usr/bin/env python3
 """check_mpi - ranks: the same files and digests as one process, one result file, a rank that is lost.
 
-usage: tests/check_mpi.py [--kelly build/host/kelly] [--mpi build/mpi/kelly] [NAME...]
+usage: tests/check_mpi.py [--float build/host/kelly] [--double build/host-double/kelly] [--mpi KELLY] [NAME...]
 
-Builds build/mpi/kelly (Open MPI). Each claim that fails is one line; the last line is `N passed, N failed`.
+Without --mpi, builds and runs build/mpi/kelly (Open MPI). Each claim that fails is one line; the last line is `N passed, N failed`.
 """
-import argparse
 import json
 import os
 import re
@@ -16,8 +15,9 @@ import sys
 import tempfile
 import time
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-PROGRAM = {}
+sys.dont_write_bytecode = True
+from programs import PROGRAM, ROOT, chosen, command_line  # noqa: E402
+
 count = {True: 0, False: 0}
 CASE = "--mu 0.004 --duration 10"
 
@@ -34,8 +34,15 @@ def environment():
     return dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMPI_MCA_rmaps_base_oversubscribe="1")
 
 
+def mpi_program(given):
+    """The one that was given, or that of this tree."""
+    PROGRAM["mpi"] = os.path.abspath(given or os.path.join(ROOT, "build/mpi/kelly"))
+    if not given:
+        subprocess.run(["make", "-s", "mpi"], cwd=ROOT, check=True)
+
+
 def command(ranks, args):
-    return (["mpirun", "-n", str(ranks), PROGRAM["mpi"]] if ranks else [PROGRAM["host"]]) + shlex.split(args)
+    return (["mpirun", "-n", str(ranks), PROGRAM["mpi"]] if ranks else [PROGRAM["float"]]) + shlex.split(args)
 
 
 def kelly(ranks, args, folder):
@@ -123,7 +130,7 @@ def check_mistakes(folder):
     claim(run.returncode == 2 and run.stderr.count("kelly:") == 1, f"a mistake: exit {run.returncode}, {run.stderr!r}")
     run = kelly(2, "montecarlo --samples 10 --csv nowhere/x.csv", folder)
     claim(run.returncode == 1 and run.stderr.count("cannot write") == 1, f"no such directory: exit {run.returncode}, {run.stderr!r}")
-    said = [subprocess.run(["mpirun", "-n", str(ranks), PROGRAM["host"], "montecarlo", "--duration", "1", "--samples", "4"], capture_output=True, text=True, check=False, cwd=folder,
+    said = [subprocess.run(["mpirun", "-n", str(ranks), PROGRAM["float"], "montecarlo", "--duration", "1", "--samples", "4"], capture_output=True, text=True, check=False, cwd=folder,
                            env=environment()).stderr.count("kelly: this program knows no MPI") for ranks in (1, 2)]
     claim(said == [0, 1], f"the program without MPI under mpirun says so once: {said}")
 
@@ -176,13 +183,11 @@ def check_lost(folder):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--kelly", default=os.path.join(ROOT, "build/host/kelly"))
-    parser.add_argument("--mpi", default=os.path.join(ROOT, "build/mpi/kelly"))
+    parser = command_line(__doc__)
+    parser.add_argument("--mpi", metavar="KELLY")
     parser.add_argument("names", nargs="*")
-    args = parser.parse_args()
-    PROGRAM.update(host=os.path.abspath(args.kelly), mpi=os.path.abspath(args.mpi))
-    subprocess.run(["make", "-s", "mpi"], cwd=ROOT, check=True)
+    args = chosen(parser)
+    mpi_program(args.mpi)
     for name in args.names or [n[6:] for n in globals() if n.startswith("check_")]:
         start = time.monotonic()
         with tempfile.TemporaryDirectory() as folder:

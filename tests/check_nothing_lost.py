@@ -5,7 +5,6 @@ usage: tests/check_nothing_lost.py [--float build/host/kelly] [--double build/ho
 
 Each claim that fails is one line; the last line is `N passed, N failed`. NAME picks single checks.
 """
-import argparse
 import os
 import random
 import re
@@ -22,10 +21,9 @@ from concurrent.futures import ThreadPoolExecutor
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from programs import PROGRAM, ROOT, chosen, command_line  # noqa: E402
 from second_opinion import crc32c  # noqa: E402
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-PROGRAM = {}
 count = {True: 0, False: 0}
 HEADER, RECORD = 96, 48                      # bytes of a journal in float
 SEED = 20261122                              # of the times of the kills
@@ -326,9 +324,8 @@ def check_foreign(folder):
         other = place.run(f"{SMALL} {more} --resume")
         claim(other.returncode == 2 and "of another run" in other.stderr and place.files() == ["run.csv.journal"] and read(place.journal) == journal,
               f"{more}: exit {other.returncode}, {other.stderr!r}, {place.files()}")
-    if "double" in PROGRAM:
-        only(place, journal)
-        claim("in float, this is in double" in place.run(SMALL + " --resume", real="double").stderr, "float is not double")
+    only(place, journal)
+    claim("in float, this is in double" in place.run(SMALL + " --resume", real="double").stderr, "float is not double")
     only(place, journal)
     claim(place.run(SMALL.replace("montecarlo", "map") + " --samples 20 --resume").returncode == 2, "montecarlo is not map")
     for args in (f"{SMALL} --resume", f"{SMALL} --resume --csv - ", f"{SMALL} --resume --json -"):
@@ -398,8 +395,6 @@ def check_signals(folder):
 
 def check_double(folder):
     """The same in double: kills at the calls, cuts through a record."""
-    if "double" not in PROGRAM:
-        return
     place = Place(folder, "double")
     want = place.alone(SMALL, real="double")
     journal = whole_journal(place, SMALL, real="double")
@@ -416,15 +411,11 @@ def timed(name, folder):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--float", default=os.path.join(ROOT, "build/host/kelly"))
-    parser.add_argument("--double", default=os.path.join(ROOT, "build/host-double/kelly"))
+    parser = command_line(__doc__)
     parser.add_argument("--kills", type=int, default=200)
     parser.add_argument("names", nargs="*")
-    args = parser.parse_args()
-    PROGRAM.update({"float": os.path.abspath(args.float), "kills": args.kills})
-    if os.path.exists(args.double):
-        PROGRAM["double"] = os.path.abspath(args.double)
+    args = chosen(parser)
+    PROGRAM["kills"] = args.kills
     with tempfile.TemporaryDirectory() as folder:
         PROGRAM["shim"] = os.path.join(folder, "shim.so")
         subprocess.run([os.environ.get("CC", "cc"), "-O1", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC", "-o", PROGRAM["shim"],

@@ -1,11 +1,10 @@
 #!/usr/bin/env python3
 """check_plan - kelly plan: the simulated run against what can be told on paper; figures measured between ranks.
 
-usage: tests/check_plan.py [--kelly build/host/kelly] [--mpi build/mpi/kelly] [NAME...]
+usage: tests/check_plan.py [--float build/host/kelly] [--double build/host-double/kelly] [--mpi KELLY] [NAME...]
 
 Each claim that fails is one line; the last line is `N passed, N failed`. No claim is about how fast this machine is.
 """
-import argparse
 import json
 import os
 import shlex
@@ -14,7 +13,8 @@ import sys
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from check_mpi import PROGRAM, ROOT, claim, command, count, environment  # noqa: E402
+from check_mpi import claim, command, count, environment, mpi_program  # noqa: E402
+from programs import chosen, command_line  # noqa: E402
 
 CASE = "--mu 0.004 --duration 10"
 
@@ -66,13 +66,11 @@ def check_mistakes():
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--kelly", default=os.path.join(ROOT, "build/host/kelly"))
-    parser.add_argument("--mpi", default=os.path.join(ROOT, "build/mpi/kelly"))
+    parser = command_line(__doc__)
+    parser.add_argument("--mpi", metavar="KELLY")
     parser.add_argument("names", nargs="*")
-    args = parser.parse_args()
-    PROGRAM.update(host=os.path.abspath(args.kelly), mpi=os.path.abspath(args.mpi))
-    subprocess.run(["make", "-s", "mpi"], cwd=ROOT, check=True)
+    args = chosen(parser)
+    mpi_program(args.mpi)
     for name in args.names or [n[6:] for n in globals() if n.startswith("check_")]:
         globals()["check_" + name]()
     print(f"{count[True]} passed, {count[False]} failed")

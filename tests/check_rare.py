@@ -1,13 +1,12 @@
 #!/usr/bin/env python3
 """check_rare - kelly rare against plain Monte Carlo and reference probabilities from 1 to 2e-8, equal bits, refusals.
 
-usage: tests/check_rare.py [--kelly build/host/kelly] [NAME...] [--study [--seeds 20] [--from 1] [--step 0.002] [--workers 2] [--only NAME...]]
+usage: tests/check_rare.py [--float build/host/kelly] [--double build/host-double/kelly] [NAME...] [--study [--seeds 20] [--from 1] [--step 0.002] [--workers 2] [--only NAME...]]
 
 The gate takes steps of 4 ms: 8000 realisations of the case at 210 rpm are classified as at 1 ms, one and all. --study: every case of CASES with
 seeds 1 .. 20, and of MORE with 1 .. 10, at 2 ms, into build/study-rare.md and .json; its claims are those on mean, spread and coverage.
 Prints a line for each claim that fails, then `N passed, N failed`.
 """
-import argparse
 import concurrent.futures
 import json
 import math
@@ -19,8 +18,8 @@ import sys
 
 sys.dont_write_bytecode = True
 from map_tools import PROGRAM, claim, count, kelly, montecarlo, refused  # noqa: E402  pylint: disable=wrong-import-position
+from programs import ROOT, chosen, command_line  # noqa: E402  pylint: disable=wrong-import-position
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 OTHER = "gen/wells/slim-4000ft.toml"
 MC_SEED = 1000003                # of plain Monte Carlo, another one than any of rare's
 COARSE = "--step 0.004"
@@ -256,8 +255,7 @@ def study(args):
 
 
 def main():
-    parser = argparse.ArgumentParser(usage=__doc__.split("\n\n")[1])
-    parser.add_argument("--kelly", default=os.path.join(ROOT, "build", "host", "kelly"))
+    parser = command_line(__doc__)
     parser.add_argument("--study", action="store_true")
     parser.add_argument("--seeds", type=int, default=20)
     parser.add_argument("--from", dest="first", type=int, default=1)
@@ -265,8 +263,7 @@ def main():
     parser.add_argument("--workers", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--only", nargs="*")
     parser.add_argument("names", nargs="*")
-    args = parser.parse_args()
-    PROGRAM["float"] = os.path.abspath(args.kelly)
+    args = chosen(parser)
     if args.study:
         study(args)
     else:

@@ -1,42 +1,48 @@
 #!/usr/bin/env python3
-"""check_sanitizers - one suite, built to notice what C does not: equal digests, and not one complaint.
+"""check_sanitizers - one suite, built to notice what C does not: every test passes, equal digests and files, not one complaint.
 
-  clang, gcc   -fsanitize=address,undefined,float-cast-overflow,float-divide-by-zero, the first complaint ends the run: unit tests
-               and every subcommand that runs on a host alone; clang in float, gcc in double
-  clang        -fsanitize=thread: several threads at work
-  valgrind     memcheck: montecarlo with its files, uninitialised values included
-  gcc          -m32 -msse2 -mfpmath=sse, float and double; -O1; -O3; clang -Os
+usage: tests/check_sanitizers.py [BUILD...]
 
-Each build gives the digest of the usual one (`make digest`), with one lane and with a vector of two. Then one fault for each tool is
-planted in a program of its own and has to be noticed. Last line `N passed, N failed`.
+  clang, gcc   -fsanitize=address,undefined,float-cast-overflow,float-divide-by-zero, the first complaint ends the run; with the vector
+               units of a release, each that this processor has; clang at -O0, where it is seconds on what it is minutes on at -O1
+  clang        -fsanitize=thread
+  valgrind     memcheck, uninitialised values included, with the vector units that it knows: up to AVX2
+  gcc, clang   -O0, -O1, -O2, -O3, -Os, float and double by turns; gcc -m32 -msse2 -mfpmath=sse in both; clang -m32
+
+In each build: the unit tests at a board's sample sizes, the lanes of its vector units, every subcommand that runs on a host alone with each
+unit. Tests are as many in all builds of a precision, the digest and every CSV and NPY are those of the usual build. Then one fault for
+each tool is planted in a program of its own and has to be noticed. Last line `N passed, N failed`.
 """
 import concurrent.futures
+import hashlib
 import os
+import re
 import shutil
 import subprocess
 import sys
 import tempfile
 
-from check_digests import CASE, ROOT, digest_of, sh
+from check_digests import CASE, ROOT, digest_of, engines, sh
 
 SUITE = "address,undefined,float-cast-overflow,float-divide-by-zero"
 FATAL = "-g -fno-omit-frame-pointer -fno-sanitize-recover=all"
-# One vector unit of two lanes, two vectors: a compiler is minutes on what a release unrolls for each unit; "digests" has those.
+RELEASE = []                     # vector units as make has them
+# One unit of two lanes, two vectors: a compiler is minutes on what a release unrolls for each unit; "digests" has those.
 PLAIN = ["machine=plain", "vector_flags=-DKELLY_VECTORS=2 -DKELLY_WIDTH=2"]
-ENGINES = ("scalar", "vector")
 VALGRIND = ["valgrind", "-q", "--error-exitcode=9", "--leak-check=no"]
+M32 = "-O2 -msse2 -mfpmath=sse"
 SHORT = ["--samples", "256", "--duration", "2", "--window", "1:2", "--mu", "0.04"]
-# (name, compiler, flags, precision, program that runs it, what runs); long ones first
+# (name, compiler, flags, precision, vector units, program that runs it); long ones first
 BUILDS = (
-    ("address-clang", "clang", f"-O1 -fsanitize={SUITE} {FATAL}", "float", [], "all"),
-    ("address-gcc", "gcc", f"-O1 -fsanitize={SUITE} {FATAL}", "double", [], "all"),
-    ("thread", "clang", f"-O1 -fsanitize=thread {FATAL}", "float", [], "threads"),
-    ("valgrind", "gcc", "-O1 -g", "float", VALGRIND, "files"),
-    ("m32-float", "gcc -m32", "-O2 -msse2 -mfpmath=sse", "float", [], "digest"),
-    ("m32-double", "gcc -m32", "-O2 -msse2 -mfpmath=sse", "double", [], "digest"),
-    ("O3", "gcc", "-O3", "double", [], "digest"),
-    ("O1", "gcc", "-O1", "double", [], "digest"),
-    ("Os", "clang", "-Os", "float", [], "digest"),
+    ("address-clang", "clang", f"-O0 -fsanitize={SUITE} {FATAL}", "float", RELEASE, []),
+    ("address-gcc", "gcc", f"-O1 -fsanitize={SUITE} {FATAL}", "double", RELEASE, []),
+    ("valgrind", "gcc", "-O1 -g", "float", RELEASE, VALGRIND),
+    ("thread", "clang", f"-O1 -fsanitize=thread {FATAL}", "float", PLAIN, []),
+    ("m32-gcc-float", "gcc -m32", M32, "float", PLAIN, []),
+    ("m32-gcc-double", "gcc -m32", M32, "double", PLAIN, []),
+    ("m32-clang-double", "clang -m32", "-O2 -msse2", "double", PLAIN, []),
+    *((f"{compiler}{level}", compiler, level, ("float", "double")[(k + (compiler == "clang")) % 2], PLAIN, [])   # both precisions, by turns
+      for k, level in enumerate(("-O0", "-O1", "-O2", "-O3", "-Os")) for compiler in ("gcc", "clang")),
 )
 
 
@@ -46,60 +52,94 @@ def run(words, folder):
     return done.returncode, done.stdout + done.stderr
 
 
-def command_lines(kelly, folder):
-    """Every subcommand that needs no board, short; in an order in which files exist when they are read."""
-    def at(name):
-        return os.path.join(folder, name)
+def usual(real):
+    return os.path.join(ROOT, "build", "host-double" if real == "double" else "host", "kelly")
+
+
+def units(vectors, runner, real):
+    """Names of the vector units of a build that can run here."""
+    if vectors == PLAIN:
+        return ["scalar", "vector"]
+    return [e for e in engines(usual(real)) if e != "avx512" or runner != VALGRIND]
+
+
+def command_lines(engine):
+    """Every subcommand that needs no board, short, with files in the working directory; in an order in which they exist when they are read."""
     few = ["--samples", "16", "--duration", "2", "--window", "1:2", "--mu", "0.04"]
     grid = ["--rpm", "80:120:20", "--wob", "80:120:20"]
-    part = [["montecarlo", *few, "--first", first, "--csv", at(first + ".csv"), "--json", at(first + ".json"), "--quiet"] for first in ("0", "16")]
-    lines = [["modes", "--json", at("modes.json")],
-             ["simulate", "--duration", "2", "--window", "1:2", "--out", at("one.csv"), "--field", at("field.npy")],
-             ["montecarlo", *SHORT, "--threads", "2", "--csv", at("run.csv"), "--json", at("run.json"), "--cov", "0.2"],
-             ["montecarlo", *few, "--drive", "soft", "--convergence"],
-             ["montecarlo", *few, "--envelope", at("envelope.csv"), "--out-step", "0.1"],
-             ["whatif", "--from", at("run.csv"), "--mu", "0.041"],
-             *part, ["merge", at("16.csv"), at("0.csv"), "--csv", at("all.csv"), "--json", at("all.json")],
-             ["rare", *few[2:], "--cov", "0.2", "--samples-per-level", "1000"],
-             ["sensitivity", *few],
-             ["map", *grid, *few, "--json", at("map.json"), "--csv", at("map.csv")],
-             ["advise", *few, "--below", "0.05"],
-             ["plan", "--samples", "10000", "--cores", "10", "--measure", "0.1", "--json", at("plan.json")],
-             ["manual"], ["--help"]]
-    return [[kelly, *line] for line in lines]
+    by = ["--engine", engine]
+    part = [["montecarlo", *few, *by, "--first", first, "--csv", first + ".csv", "--json", first + ".json", "--quiet"] for first in ("0", "16")]
+    return [["modes", "--json", "modes.json"],
+            ["simulate", "--duration", "2", "--window", "1:2", "--out", "one.csv", "--field", "field.npy"],
+            ["montecarlo", *SHORT, *by, "--threads", "2", "--csv", "run.csv", "--json", "run.json", "--cov", "0.2"],
+            ["montecarlo", *SHORT, *by, "--threads", "5", "--csv", "soft.csv", "--drive", "soft"],
+            ["montecarlo", *few, *by, "--drive", "soft", "--convergence"],
+            ["montecarlo", *few, *by, "--envelope", "envelope.csv", "--out-step", "0.1"],
+            ["whatif", "--from", "run.csv", "--mu", "0.041"],
+            *part, ["merge", "16.csv", "0.csv", "--csv", "all.csv", "--json", "all.json"],
+            ["rare", *few[2:], *by, "--cov", "0.2", "--samples-per-level", "1000", "--threads", "2"],
+            ["sensitivity", *few, *by],
+            ["map", *grid, *few, *by, "--json", "map.json", "--csv", "map.csv", "--npy", "map.npy", "--threads", "2"],
+            ["advise", *few, *by, "--below", "0.05"],
+            ["plan", "--samples", "10000", "--cores", "10", "--measure", "0.1", "--json", "plan.json"],
+            ["manual"], ["--help"]]
 
 
-def jobs_of(kind, out, folder):
-    kelly = os.path.join(out, "kelly")
-    lines = command_lines(kelly, folder)
-    if kind == "all":
-        return [[os.path.join(out, "unit")], *lines]
-    if kind == "threads":
-        return [[kelly, "montecarlo", *SHORT, "--threads", t] for t in ("2", "5")] + [[*line, "--threads", "2"] for line in lines if line[1] in ("map", "rare")]
-    return lines[2:3] if kind == "files" else []
-
-
-def claims(build):
-    """[(holds, what)] of one build, its digest."""
-    name, compiler, flags, real, runner, kind = build
-    out = f"build/sanitizers/{name}"
-    goals = [f"{out}/kelly"] + ([f"{out}/unit"] if kind == "all" else [])
-    built = sh(["make", "-s", f"CC={compiler}", f"CFLAGS={flags}", f"REAL={real}", f"dir={out}", "CHECK_LONG=0", *PLAIN, *goals])
-    if built.startswith("failed"):
-        return [(False, f"{name}: {built}")]
-    out = os.path.join(ROOT, out)
-    kelly, usual = os.path.join(out, "kelly"), os.path.join(ROOT, "build", "host-double" if real == "double" else "host", "kelly")
-    want = digest_of(sh([usual, "montecarlo", *CASE]))
-    found = []
-    with tempfile.TemporaryDirectory() as folder:
-        for words in jobs_of(kind, out, folder):
-            status, text = run([*runner, *words], folder)
-            short = " ".join(os.path.basename(w) for w in words[:2])
-            found.append((status == 0, f"{name}: {short}: status {status}: {text.strip()[-600:]}"))
-        for engine in ENGINES:
-            status, text = run([*runner, kelly, "montecarlo", *CASE, "--engine", engine], folder)
-            found.append((status == 0 and digest_of(text) == want, f"{name}, {engine}: {digest_of(text)}, the usual build {want}; status {status}"))
+def files_of(folder):
+    """{name: CRC} of what holds no time."""
+    found = {}
+    for name in os.listdir(folder):
+        if name.endswith((".csv", ".npy")):
+            with open(os.path.join(folder, name), "rb") as file:
+                found[name] = hashlib.sha256(file.read()).hexdigest()[:8]
     return found
+
+
+def wanted(real):
+    """-> digest and files of the usual build."""
+    with tempfile.TemporaryDirectory() as folder:
+        for line in command_lines("scalar"):
+            run([usual(real), *line], folder)
+        return digest_of(sh([usual(real), "montecarlo", *CASE])), files_of(folder)
+
+
+def of_tests(name, out, names, runner):
+    """-> claims about the test programs, how many unit tests there are."""
+    status, text = run([*runner, os.path.join(out, "unit")], out)
+    count = re.search(r"^([1-9]\d*) passed, 0 failed$", text, re.M)
+    status_of_lanes, said = run([*runner, os.path.join(out, "lanes")], out)
+    tried = re.findall(r"^(\w+), \d+ realisations a vector", said, re.M)
+    return [(status == 0 and count, f"{name}: unit: status {status}: {text.strip()[-600:]}"),
+            (status_of_lanes == 0 and re.search(r"^[1-9]\d* passed, 0 failed$", said, re.M), f"{name}: lanes: status {status_of_lanes}: {said.strip()[-600:]}"),
+            (tried == names, f"{name}: lanes tries {tried}, not {names}")], count and int(count[1])
+
+
+def of_commands(name, kelly, engine, runner, want):
+    digest, files = want
+    with tempfile.TemporaryDirectory() as folder:
+        for line in command_lines(engine):
+            status, text = run([*runner, kelly, *line], folder)
+            yield status == 0, f"{name}, {engine}: {line[0]}: status {status}: {text.strip()[-600:]}"
+        found = files_of(folder)
+        status, text = run([*runner, kelly, "montecarlo", *CASE, "--engine", engine], folder)
+    yield found == files, f"{name}, {engine}: other files than the usual build: {sorted(set(found.items()) ^ set(files.items()))}"
+    yield status == 0 and digest_of(text) == digest, f"{name}, {engine}: {digest_of(text)}, the usual build {digest}; status {status}"
+
+
+def claims(build, want):
+    """-> [(holds, what)] of one build, how many unit tests it has."""
+    name, compiler, flags, real, vectors, runner = build
+    out = f"build/sanitizers/{name}"
+    built = sh(["make", "-s", f"CC={compiler}", f"CFLAGS={flags}", f"REAL={real}", f"dir={out}", "CHECK_LONG=0", *vectors,
+                *(f"{out}/{program}" for program in ("kelly", "unit", "lanes"))])
+    if built.startswith("failed"):
+        return [(False, f"{name}: {built}")], None
+    out = os.path.join(ROOT, out)
+    names = units(vectors, runner, real)
+    found, tests = of_tests(name, out, names, runner)
+    for engine in names:
+        found += of_commands(name, os.path.join(out, "kelly"), engine, runner, want[real])
+    return found, tests
 
 
 def planted():
@@ -128,15 +168,24 @@ def main():
         return 1
     for real in ("float", "double"):
         sh(["make", "-s", "all", f"REAL={real}"])
+    builds = [b for b in BUILDS if not sys.argv[1:] or b[0] in sys.argv[1:]]
+    want = {real: wanted(real) for real in ("float", "double")}
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        results = [c for found in pool.map(claims, BUILDS) for c in found] + list(planted())
+        done = list(pool.map(lambda build: claims(build, want), builds))
+    results = [c for found, _ in done for c in found]
+    runs = len(results)
+    for real in ("float", "double"):
+        tests = {build[0]: number for build, (_, number) in zip(builds, done) if build[3] == real}
+        results.append((len(set(tests.values())) <= 1, f"unit tests in {real}: {tests}"))
+    faults = list(planted())
+    results += faults
     for holds, what in results:
         if not holds:
             print(what)
     bad = sum(not holds for holds, _ in results)
-    runs = sum(not what.startswith("planted") for _, what in results)
-    print(f"figure: sanitizers, valgrind, -m32, -O1, -O3, -Os: {len(BUILDS)} builds, {runs} runs, {bad} complaints or other digests")
-    print(f"figure: faults planted for the sanitizers: {sum(h for h, w in results if w.startswith('planted'))} of {len(results) - runs} noticed")
+    print(f"figure: one suite (unit, lanes, {len(command_lines('scalar'))} commands a vector unit) under sanitizers, valgrind, -m32, -O0 to -O3, -Os, gcc and clang: "
+          f"{len(builds)} builds, {runs} claims, {bad} complaints, other digests or other files")
+    print(f"figure: faults planted for the sanitizers: {sum(bool(h) for h, _ in faults)} of {len(faults)} noticed")
     print(f"{len(results) - bad} passed, {bad} failed")
     return bad != 0
 

@@ -5,18 +5,17 @@ usage: tests/check_sensitivity.py [--float build/host/kelly] [--double build/hos
 
 Each claim that fails is one line; the last line is `N passed, N failed`. (Ishigami's function: tests/test_sobol.c.)
 """
-import argparse
 import io
 import json
-import os
 import shlex
 import subprocess
 import sys
 
 import numpy as np
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-PROGRAM = {}
+sys.dont_write_bytecode = True
+from programs import PROGRAM, chosen, command_line  # noqa: E402
+
 count = {True: 0, False: 0}
 CASE = "--mu 0.004 --duration 20 --window 10:20 --limit 0.98"
 NAMES = ("fc", "mu", "a1", "a2", "rpm")
@@ -136,11 +135,7 @@ def check_ends():
 
 
 def main():
-    parser = argparse.ArgumentParser(usage=__doc__.split("\n\n")[1])
-    parser.add_argument("--float", default=os.path.join(ROOT, "build", "host", "kelly"))
-    parser.add_argument("--double", default=os.path.join(ROOT, "build", "host-double", "kelly"))
-    args = parser.parse_args()
-    PROGRAM.update({"float": args.float, "double": args.double})
+    chosen(command_line(__doc__))
     check_first_by_bins()
     check_total_of_two()
     check_rows_are_the_ensembles()

@@ -5,7 +5,6 @@ usage: tests/check_until.py [--float build/host/kelly] [--double build/host-doub
 
 Each claim that fails is one line; the last line is `N passed, N failed`.
 """
-import argparse
 import json
 import math
 import os
@@ -17,8 +16,9 @@ import tempfile
 from scipy.optimize import brentq
 from scipy.special import gammaln
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-PROGRAM = {}
+sys.dont_write_bytecode = True
+from programs import PROGRAM, chosen, command_line  # noqa: E402
+
 count = {True: 0, False: 0}
 SHORT = "--duration 10 --window 5:10 --limit 1.05"
 
@@ -125,11 +125,7 @@ def check_covers():
 
 
 def main():
-    parser = argparse.ArgumentParser(usage=__doc__.split("\n\n")[1])
-    parser.add_argument("--float", default=os.path.join(ROOT, "build", "host", "kelly"))
-    parser.add_argument("--double", default=os.path.join(ROOT, "build", "host-double", "kelly"))
-    args = parser.parse_args()
-    PROGRAM.update({"float": args.float, "double": args.double})
+    chosen(command_line(__doc__))
     with tempfile.TemporaryDirectory() as folder:
         check_stops_where_it_should(folder)
     check_ends()

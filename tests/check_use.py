@@ -5,7 +5,6 @@ usage: tests/check_use.py [--float build/host/kelly] [--double build/host-double
 
 Run with an interpreter that has numpy. Prints one line for each claim that fails, then `N passed, N failed`.
 """
-import argparse
 import glob
 import json
 import math
@@ -27,11 +26,11 @@ sys.path.insert(0, os.path.join(ROOT, "gen"))
 import numpy as np          # noqa: E402
 
 import bars                 # noqa: E402
+from programs import PROGRAM, chosen, command_line  # noqa: E402
 import reduce               # noqa: E402
 import reference            # noqa: E402
 import well as well_        # noqa: E402
 
-KELLY = {"float": os.path.join(ROOT, "build", "host", "kelly"), "double": os.path.join(ROOT, "build", "host-double", "kelly")}
 WELLS = sorted(glob.glob(os.path.join(ROOT, "gen", "wells", "*.toml")))
 QUICK = ["--samples", "8", "--duration", "4"]
 LONG = ["montecarlo", "--samples", "64", "--threads", "1", "--engine", "scalar"]   # a second or more on any machine
@@ -49,14 +48,14 @@ def run(*command, **options):
 
 
 def kelly(*arguments, **options):
-    return run(KELLY["float"], *arguments, **options)
+    return run(PROGRAM["float"], *arguments, **options)
 
 
 def on_terminal(*arguments, **environment):
     """Everything that kelly writes to a terminal, stdout and stderr."""
     master, slave = pty.openpty()
     plain = {k: v for k, v in os.environ.items() if k != "NO_COLOR"}
-    process = subprocess.Popen([KELLY["float"], *arguments], stdin=subprocess.DEVNULL, stdout=slave, stderr=slave,
+    process = subprocess.Popen([PROGRAM["float"], *arguments], stdin=subprocess.DEVNULL, stdout=slave, stderr=slave,
                                env={**plain, "TERM": "xterm", **environment})
     os.close(slave)
     text, end = b"", time.monotonic() + 60
@@ -296,7 +295,7 @@ def check_wells():
         name = os.path.basename(path)[:-5]
         with tempfile.TemporaryDirectory() as directory:
             own = os.path.join(directory, "host")
-            shutil.copytree(os.path.dirname(KELLY["float"]), own, ignore=shutil.ignore_patterns("tables", "kelly"), copy_function=shutil.copy2)
+            shutil.copytree(os.path.join(ROOT, "build", "host"), own, ignore=shutil.ignore_patterns("tables", "kelly"), copy_function=shutil.copy2)
             done = run("make", "-s", f"WELL=gen/wells/{name}.toml", f"dir={own}", cwd=ROOT)
             claim(done.returncode == 0, f"make WELL={name}: {done.stderr[-300:]}")
             if done.returncode:
@@ -347,7 +346,7 @@ def check_field():
             for real, within in (("float", 3e-4), ("double", 1e-8)):
                 arguments = ["simulate", *options, "--duration", "20", "--out-step", "0.5", "--quiet", "--out", os.devnull]
                 for path in (array, table):
-                    done = run(KELLY[real], *arguments, "--field", path)
+                    done = run(PROGRAM[real], *arguments, "--field", path)
                     claim(done.returncode == 0 and done.stdout == "", f"--field {path}: {done.stderr}")
                 field = np.load(array, allow_pickle=False)
                 claim(field.shape == (41, len(x)) and field.dtype.names == ("time_s", "x_m", "displacement_m", "twist_rad"), "NPY: [time, node]")
@@ -379,16 +378,13 @@ def check_examples(directory):
 
 
 def main():
-    parser = argparse.ArgumentParser(description="Checks of the use of kelly.")
-    parser.add_argument("--float", default=KELLY["float"])
-    parser.add_argument("--double", default=KELLY["double"])
+    parser = command_line(__doc__)
     parser.add_argument("names", nargs="*")
-    chosen = parser.parse_args()
-    KELLY.update({"float": os.path.abspath(chosen.float), "double": os.path.abspath(chosen.double)})
+    names = chosen(parser).names
     for check in (check_help, check_options_are_told, check_defaults, check_install, check_quiet, check_progress, check_colour, check_ssi,
                   check_units, check_wells, check_convergence, check_field):
         name = check.__name__[6:]
-        if not chosen.names or name in chosen.names:
+        if not names or name in names:
             start = time.monotonic()
             check()
             print(f"{name:18s} {time.monotonic() - start:6.1f} s", flush=True)

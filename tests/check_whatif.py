@@ -5,7 +5,6 @@ usage: tests/check_whatif.py [--float build/host/kelly] [--double build/host-dou
 
 Each claim that fails is one line; the last line is `N passed, N failed`.
 """
-import argparse
 import json
 import os
 import random
@@ -19,8 +18,9 @@ import tempfile
 import numpy as np
 from scipy.stats import gamma
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-PROGRAM = {}
+sys.dont_write_bytecode = True
+from programs import PROGRAM, chosen, command_line  # noqa: E402
+
 count = {True: 0, False: 0}
 CASE = "--mu 0.004 --duration 20 --window 10:20 --limit 0.98"
 NAMES = {"fc": ("wob_kN", 0), "mu": ("mu", 1), "a1": ("alpha1", 2), "a2": ("alpha2", 3), "rpm": ("rpm", 4)}
@@ -226,11 +226,7 @@ def check_strict_reading(folder):
 
 
 def main():
-    parser = argparse.ArgumentParser(usage=__doc__.split("\n\n")[1])
-    parser.add_argument("--float", default=os.path.join(ROOT, "build", "host", "kelly"))
-    parser.add_argument("--double", default=os.path.join(ROOT, "build", "host-double", "kelly"))
-    args = parser.parse_args()
-    PROGRAM.update({"float": args.float, "double": args.double})
+    chosen(command_line(__doc__))
     with tempfile.TemporaryDirectory() as folder:
         path = check_agrees_with_fresh_runs(folder)
         check_intervals_hold(folder)

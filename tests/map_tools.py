@@ -3,7 +3,8 @@ import json
 import shlex
 import subprocess
 
-PROGRAM = {}
+from programs import PROGRAM
+
 count = {True: 0, False: 0}
 SHORT = "--mu 0.004 --duration 8 --window 4:8"
 

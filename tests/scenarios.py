@@ -5,10 +5,9 @@ A scenario is (name, function, arguments); the function yields claims, (holds, w
 import concurrent.futures
 import os
 import subprocess
-import sys
 import time
 
-from run_target import ROOT
+from programs import ROOT, chosen, command_line
 
 
 def _run(scenario):
@@ -22,15 +21,17 @@ def _run(scenario):
     return name, claims, time.monotonic() - begin
 
 
-def run(scenarios, boards):
+def run(doc, scenarios, boards):
     """Build the device programs of these boards, then run the scenarios whose name holds a word of the command line, or all.
     Prints each, and `N passed, N failed`; returns the exit status."""
-    words, passed, failed = sys.argv[1:], 0, 0
+    parser = command_line(doc)
+    parser.add_argument("words", nargs="*")
+    words, passed, failed = chosen(parser).words, 0, 0
     for target in boards:
         subprocess.run(["make", "-s", f"TARGET={target}", "device"], cwd=ROOT, check=True, stdin=subprocess.DEVNULL)
-    chosen = [s for s in scenarios if not words or any(w in s[0] for w in words)]
+    picked = [s for s in scenarios if not words or any(w in s[0] for w in words)]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        for name, claims, seconds in pool.map(_run, chosen):
+        for name, claims, seconds in pool.map(_run, picked):
             wrong = [text for good, text in claims if not good]
             passed, failed = passed + len(claims) - len(wrong), failed + len(wrong)
             print(f"{name}: {len(claims) - len(wrong)} passed, {len(wrong)} failed, {seconds:.1f} s", flush=True)
