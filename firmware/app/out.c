@@ -2,46 +2,78 @@
 #include "../board/board.h"
 
 static uint8_t ring[OUT_RING];
-static uint32_t in, out;
+static uint32_t oldest, waiting;   /* of the bytes that are kept: the place of the first, how many */
 static int deferred;
 
+/*@ predicate sound = oldest < OUT_RING && waiting <= OUT_RING; */
+
 /* The oldest byte, waiting for the line. */
+/*@ requires sound && waiting > 0;
+    assigns oldest, waiting;
+    ensures sound && waiting == \old(waiting) - 1 && oldest == (\old(oldest) + 1) % OUT_RING; */
 static void send_one(void)
 {
-    board_write(ring[out++ % OUT_RING]);
+    board_write(ring[oldest]);
+    oldest = (oldest + 1u) % OUT_RING;
+    waiting--;
 }
 
+/*@ requires sound;
+    assigns oldest, waiting, deferred;
+    ensures sound && deferred == on && (on || waiting == 0); */
 void out_defer(int on)
 {
-    while (!on && in != out) {
+    /*@ loop invariant sound;
+        loop assigns oldest, waiting;
+        loop variant waiting; */
+    while (!on && waiting > 0) {
         send_one();
     }
     deferred = on;
 }
 
+/*@ requires sound;
+    assigns oldest, waiting;
+    ensures sound && (\result == 0 <==> waiting == 0); */
 int out_pump(void)
 {
-    while (in != out && board_ready()) {
+    /*@ loop invariant sound;
+        loop assigns oldest, waiting;
+        loop variant waiting; */
+    while (waiting > 0 && board_ready()) {
         send_one();
     }
-    return in != out;
+    return waiting > 0;
 }
 
+/*@ requires sound;
+    assigns \nothing;
+    ensures \result && deferred ==> waiting + bytes <= OUT_RING; */
 int out_room(size_t bytes)
 {
-    return !deferred || OUT_RING - (in - out) >= bytes;
+    return !deferred || OUT_RING - waiting >= bytes;
 }
 
+/* A byte goes behind those that wait, into a place of its own. */
+/*@ requires sound;
+    assigns ring[0 .. OUT_RING - 1], oldest, waiting;
+    ensures sound;
+    ensures last: deferred ==> waiting > 0 && ring[(oldest + waiting - 1) % OUT_RING] == byte;
+    ensures others: \forall integer k; 0 <= k < OUT_RING && k != (oldest + waiting - 1) % OUT_RING ==> ring[k] == \old(ring[k]);
+    ensures its_own: deferred ==> \forall integer k; 0 <= k < waiting - 1 ==> (oldest + k) % OUT_RING != (oldest + waiting - 1) % OUT_RING;
+    ensures no_more_than_one_sent: deferred ==> waiting == (\old(waiting) < OUT_RING ? \old(waiting) + 1 : OUT_RING);
+    ensures at_once: !deferred ==> waiting == \old(waiting) && oldest == \old(oldest); */
 void out_byte(uint8_t byte)
 {
     if (!deferred) {
         board_write(byte);
         return;
     }
-    if (in - out == OUT_RING) {
+    if (waiting == OUT_RING) {
         send_one();
     }
-    ring[in++ % OUT_RING] = byte;
+    ring[(oldest + waiting) % OUT_RING] = byte;
+    waiting++;
 }
 
 void out_frame(uint8_t wire[KELLY_WIRE_MAX], uint8_t type, uint32_t seq, size_t size)

@@ -77,6 +77,12 @@ int scpi_number(const char *text, real *value);
     ensures 1 <= \result <= n + n / 254 + 1; */
 size_t kelly_cobs(uint8_t *to, const uint8_t *from, size_t n);
 
+/* A board's line is none of the program's memory. */
+/*@ assigns \nothing; */
+void board_write(uint8_t byte);
+/*@ assigns \nothing; */
+int board_ready(void);
+
 #ifdef EVA_ROOT
 /* Assumed, of sobol.c: Newton's method from above falls from 1 + x. Intervals do not see that x / r falls as long as r lies above. */
 /*@ requires x <= 1e190;
