@@ -4,22 +4,22 @@ import os
 import re
 import struct
 import subprocess
-import threading
+import tempfile
 
 import numpy
 
 from bench_board import as_float, link
 from programs import PROGRAM
-from run_target import ROOT
 
 
 def montecarlo(samples, *extra):
     """Rows of the CSV and the digest."""
-    path = os.path.join(ROOT, "build", f"bench-{samples}-{len(extra)}-{threading.get_ident()}.csv")
-    words = [PROGRAM["float"], "montecarlo", "--duration", "4", "--window", "2:4", "--mu", "0.04", "--cov", "0.2", "--samples", str(samples), "--csv", path, *extra]
-    done = subprocess.run(words, check=True, capture_output=True, text=True)
-    with open(path, encoding="ascii", newline="") as file:
-        return list(csv.DictReader(file)), re.search("digest ([0-9a-f]{8})", done.stdout)[1]
+    with tempfile.TemporaryDirectory() as folder:      # of its own: a second writer of a file is refused
+        path = os.path.join(folder, "run.csv")
+        words = [PROGRAM["float"], "montecarlo", "--duration", "4", "--window", "2:4", "--mu", "0.04", "--cov", "0.2", "--samples", str(samples), "--csv", path]
+        done = subprocess.run([*words, *extra], check=True, capture_output=True, text=True)
+        with open(path, encoding="ascii", newline="") as file:
+            return list(csv.DictReader(file)), re.search("digest ([0-9a-f]{8})", done.stdout)[1]
 
 
 def near(value):
