@@ -38,6 +38,7 @@
  * The caller evaluates: kelly_rare_start; then, while kelly_rare_count(rare) > 0, set the guide of each sample
  * rare->samples[rare->first ..], kelly_rare_count of them, in any order, and call kelly_rare_accept; then kelly_rare_read.
  *
+ * Ranges  those of string_model.h, and speeds of 0.01 rad/s and more: the hint divides by them, and is proved free of overflow from there.
  * Random  stream (seed, level, chain, step): the same samples on every machine, at any number of lanes or threads.
  * Memory  sizeof(kelly_rare) + 36 n bytes, the caller's; as much again for a look.
  * Cost    n + 0.9 n a level beyond the first realisations, some 20 n log n operations a level, 8 hints a led move.
