@@ -140,6 +140,8 @@ def main():
             subprocess.run(["make", "-s", f"-j{os.cpu_count()}", goal, f"REAL={real}"], cwd=ROOT, check=True)
         for target in [] if only else TARGETS:
             subprocess.run(["make", "-s", f"-j{os.cpu_count()}", f"TARGET={target}", f"REAL={real}"], cwd=ROOT, check=True)
+    if {"mpi", "plan"} <= set(names):
+        subprocess.run(["make", "-s", f"-j{os.cpu_count()}", "mpi"], cwd=ROOT, check=True)
     board = Board(names)
     workers = [threading.Thread(target=board.work) for _ in range(min(os.cpu_count() or 1, len(names)))]
     for worker in workers:
