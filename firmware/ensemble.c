@@ -197,9 +197,10 @@ void kelly_run_begin(const kelly_table *table, const kelly_case *run, uint64_t s
 /* Realisations whose draws stand in results[], the rest of them zero. */
 static void run_drawn(const kelly_table *table, const kelly_case *run, uint32_t count, kelly_result *results, kelly_work *work)
 {
-    for (uint32_t done = 0; done < count; done += KELLY_LANES) {
-        const unsigned lanes = (unsigned)lesser(count - done, KELLY_LANES);
+    unsigned lanes;
 
+    for (uint32_t done = 0; done < count; done += lanes) {
+        lanes = (unsigned)lesser(count - done, KELLY_LANES);
         begin_block(table, run, lanes, &results[done], work);
         (void)kelly_run_advance(table, run, lanes, &results[done], work, run->window_last);
         kelly_run_finish(table, run, lanes, &results[done], work);

@@ -114,6 +114,8 @@ ASSUMED = [
 PLANTED = {
     "a ring one byte too full": ("app/out", "firmware/app/out.c", "if (waiting == OUT_RING) {", "if (waiting > OUT_RING) {"),
     "a byte in another's place": ("app/out", "firmware/app/out.c", "ring[(oldest + waiting) % OUT_RING] = byte;", "ring[waiting % OUT_RING] = byte;"),
+    "a byte that is not sent": ("app/out", "firmware/app/out.c", "    board_write(ring[oldest]);\n", ""),
+    "a byte that is dropped": ("app/out", "firmware/app/out.c", "        board_write(byte);\n", ""),
     "off by one in COBS": ("link/frame", "firmware/link/frame.c", "if (at - code_at == GROUP) {", "if (at - code_at == GROUP + 1u) {"),
     "no bound on a received payload": ("link", "firmware/link/frame.c", "if (receiver->size >= KELLY_FRAME_MAX) {", "if (receiver->size > KELLY_FRAME_MAX) {"),
     "no check of a text's length": ("messages", "firmware/link/fields.c", "value.low > f->what >> 4 || ", ""),
@@ -270,6 +272,9 @@ def main():
     if not sys.argv[1:]:
         proved = goals = 0
         for file, functions, options in WP:
+            with open(os.path.join(ROOT, "firmware", file + ".c"), encoding="utf-8") as source:
+                promising = re.findall(r"ensures [^*]*\*/\n[\w *]*?\**(\w+)\(", source.read())
+            claim(set(promising) <= set(functions.split(",")), f"WP: {file}: {promising} ensure something, {functions} are proved")
             p, g = wp(ROOT, "wp-" + os.path.basename(file), file, functions, options)
             if claim(p == g and g > 0, f"WP: {file}, {functions}: {p} of {g} goals"):
                 coverage.reached.update(f"{function} firmware/{file}.c" for function in functions.split(","))

@@ -255,7 +255,7 @@ int main(int argc, char **argv)
     none_silent(table.alone);
     EQUAL(table.alone[SAME] + table.alone[WITHIN], 0);
     none_silent(coefficients.alone);
-    none_silent(counts.alone);
+    EQUAL(counts.alone[DETECTED], counts.flips);
     none_silent(state.twice);
     none_silent(far.twice);
     none_silent(small.twice);

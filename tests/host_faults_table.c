@@ -157,21 +157,23 @@ static void flip_this(void *of)
     flip(&sites[what[0]], what[1]);
 }
 
-/* -> an outcome; WRONG where the child was stopped by a signal, its alarm against a loop without end included. */
-static unsigned in_child(uint32_t what[2])
+/* what: a site, a bit of it, a step. -> an outcome; WRONG where the child was stopped by a signal, its alarm against a loop without end
+ * included, or by a sanitizer. */
+#define OF_OURS 32
+static unsigned in_child(uint32_t what[3])
 {
     int status = 0;
     const pid_t child = fork();
 
     if (child == 0) {
         (void)alarm(20);
-        run_struck(&kelly_string, TICKS / 3, flip_this, what);
-        _exit((int)worst(results));
+        run_struck(&kelly_string, what[2], flip_this, what);
+        _exit(OF_OURS + (int)worst(results));
     }
     if (child < 0 || waitpid(child, &status, 0) != child) {
         exit(1);
     }
-    return WIFEXITED(status) ? (unsigned)WEXITSTATUS(status) : WRONG;
+    return WIFEXITED(status) && WEXITSTATUS(status) >= OF_OURS && WEXITSTATUS(status) < OF_OURS + OUTCOMES ? (unsigned)WEXITSTATUS(status) - OF_OURS : WRONG;
 }
 
 void flips_in_counts(tally *t, int soft)
@@ -185,10 +187,18 @@ void flips_in_counts(tally *t, int soft)
     }
     add_site(&run.window_first, 4);
     add_site(&run.torsional, 1);
+    add_site(&run.window_last, 4);
+    add_site(&run.drive, sizeof(run.drive));
+    add_site(&work.tick, 4);
+    add_site(soft ? &work.driven.tick : &work.block.tick, 4);
     for (uint32_t s = 0; s < site_count; s++) {
         for (uint32_t bit = 0; bit < 8 * sites[s].bytes; bit++) {
-            t->flips++;
-            t->alone[in_child((uint32_t[2]){ s, bit })]++;
+            const uint32_t when[] = { TICKS / 3, TICKS - 100 };      /* before the window opens, and in it */
+
+            for (unsigned k = 0; k < 2; k++) {
+                t->flips++;
+                t->alone[in_child((uint32_t[3]){ s, bit, when[k] })]++;
+            }
         }
     }
 }

@@ -77,8 +77,9 @@ int scpi_number(const char *text, real *value);
     ensures 1 <= \result <= n + n / 254 + 1; */
 size_t kelly_cobs(uint8_t *to, const uint8_t *from, size_t n);
 
-/* A board's line is none of the program's memory. */
-/*@ assigns \nothing; */
+/* A board's line is none of the program's memory: what has gone out over it. */
+/*@ assigns line_count, line_last;
+    ensures line_count == (uint32_t)(\old(line_count) + 1) && line_last == byte; */
 void board_write(uint8_t byte);
 /*@ assigns \nothing; */
 int board_ready(void);
