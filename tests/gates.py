@@ -69,7 +69,7 @@ GATES = {
     "delivered-suite": ("campaign", 7200, f"{PYTHON} tests/check_delivered.py --suite"),
     "random-batteries": ("campaign", 43200, f"make -s build/host/random-stream && {PYTHON} tests/check_batteries.py"),
     "static-rules": ("prove", 1800, f"{PYTHON} tests/check_rules.py"),
-    "sanitizers": ("prove", 1500, f"{PYTHON} tests/check_sanitizers.py"),
+    "sanitizers": ("prove", 2400, f"{PYTHON} tests/check_sanitizers.py"),
     "coverage": ("prove", 1500, f"{PYTHON} tests/check_coverage.py"),
     "board-coverage": ("prove", 600, f"{PYTHON} tests/check_board_coverage.py"),
     "mutants": ("prove", 1500, f"nice -n 10 {PYTHON} tests/mutate.py --mutants 60 --quick"),
