@@ -11,7 +11,7 @@ import re
 
 NAME = r"[A-Za-z_]\w*"
 COMPARES = re.compile(rf"^\(*(\+\+|--)?({NAME}(?:(?:->|\.){NAME})*)(\+\+|--)?(?: [-+] \w+)? (<=|<|>=|>|!=) (.+)$")
-TYPE = r"\b(?:unsigned|signed|int|long|short|char|size_t|ptrdiff_t|u?int(?:8|16|32|64)_t)\b"
+TYPE = r"\b(?:real|wide|vreal|float|double|unsigned|signed|int|long|short|char|size_t|ptrdiff_t|u?int(?:8|16|32|64)_t)\b"
 NUMBER = re.compile(r"(0[xX][0-9a-fA-F]+|\d+)[uUlL]*$")
 
 
@@ -134,6 +134,16 @@ def paths(text):
         yield from (match[0][:m.end()] for m in re.finditer(NAME, match[0]))
 
 
+def outermost(body):
+    """Without what stands in braces inside its own: that is not done every turn."""
+    inner = re.compile(r"\{[^{}]*\}")
+    begin, end = body.find("{") + 1, body.rfind("}")
+    text = body[begin:end] if begin > 0 else body
+    while inner.search(text):
+        text = inner.sub("", text)
+    return text
+
+
 def number(text):
     found = NUMBER.match(text)
     return int(found[1], 0) if found else None
@@ -152,7 +162,7 @@ def move(name, text):
 
 def type_of(name, before):
     """Of the last declaration of a variable before a place; "" where none is found."""
-    found = re.findall(rf"({TYPE}(?:\s+{TYPE})*)(?:(?!{TYPE})[^;(){{}}])*?(?<![\w.>]){re.escape(name)}\b", before)
+    found = re.findall(rf"({TYPE}(?:\s+{TYPE})*)(?:(?!{TYPE})[^;(){{}}=])*?(?<![\w.>]){re.escape(name)}\b", before)
     return found[-1] if found else ""
 
 
@@ -161,9 +171,13 @@ def arrives(direction, size, compared, limit, kind):
     value, narrow = number(limit), re.search(r"char|short|int(8|16)_t", kind)
     signed = kind != "" and not re.search(r"unsigned|uint|size_t", kind)
     largest = {"uint8_t": 255, "uint16_t": 65535}.get(kind, 127) if narrow or kind == "" else 2**31 - 1
+    if re.search(r"real|wide|float|double", kind):             # it may stand still
+        return False
     if size == 0 or direction == 0:
         return size > 0 and value == 0 and compared in (">", "!=")
     if direction > 0 and compared in ("<", "<="):
+        if size > 1 and value is None:             # it may pass the end of its type: `k += 4` at the last three numbers
+            return False
         return value <= largest - (compared == "<=") if value is not None else compared == "<" and not narrow
     if direction < 0 and compared == ">=":
         return signed or (value is not None and value >= size)
@@ -177,10 +191,10 @@ def bounded(condition, step, body, before):
             continue
         name, compared, limit = match[2], match[4], match[5]
         inside = changes(name, body)
-        walked = re.findall(rf"^ *{re.escape(name)}(?:\+\+|--);", body, re.M)
+        walked = re.findall(rf"^ *{re.escape(name)}(?:\+\+|--);", outermost(body), re.M)
         held = not re.search(rf"{NAME}\s*\(", re.sub(r"\b(?:sizeof|R|W)\s*\(", "(", limit))
         held = held and not any(changes(n, body) or changes(n, step) for n in paths(limit))
-        made = [m for m in (move(name, part), move(name, step)) if m]
+        made = [m for m in (move(name, part), move(name, step)) if m] if not re.search(r"&&|\|\||\?", step) else []
         if inside == 1 and len(walked) == 1 and not made and "continue" not in body:
             made, inside = [move(name, walked[0])], 0
         if held and inside == 0 and len(made) == 1 and arrives(*made[0], compared, limit, type_of(name, before)):

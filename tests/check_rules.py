@@ -250,6 +250,10 @@ PLANTED = {
     "loop-narrow": ("power-of-ten/loop", COUNTS % "uint8_t i = 0; i < 256u; i++"),
     "loop-over": ("power-of-ten/loop", COUNTS % "int i = 0; i != n; i += 2"),
     "loop-last": ("power-of-ten/loop", COUNTS % "unsigned i = 0; i <= n; i++"),
+    "loop-branch": ("power-of-ten/loop", COUNTS.replace("for (%s) {", "int k = 0;\n    while (k < 9) {\n        if (s > 3) {\n            k++;\n        }")),
+    "loop-wraps": ("power-of-ten/loop", COUNTS % "unsigned i = 0; i < n; i += 16"),
+    "loop-float": ("power-of-ten/loop", COUNTS % "float x = 0; x < 1e9f; x++"),
+    "loop-maybe": ("power-of-ten/loop", COUNTS % "unsigned i = 0; i < n; s > 3 && i++"),
     "recursion": ("power-of-ten/recursion", "int even(int n);\nint odd(int n);\nint even(int n) { return n == 0 ? 1 : odd(n - 1); }\n"
                                             "int odd(int n) { return n == 0 ? 0 : even(n - 1); }\n"),
     "indirect-call": ("power-of-ten/indirect-call", "typedef int work(int);\nint run(work *f);\nint run(work *f) { return f(1); }\n"),
