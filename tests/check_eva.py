@@ -80,7 +80,7 @@ DRIVERS = {
                  "-eva-split-return-function kelly_receive:0:-1,finish:0:-1,append:full -eva-use-spec kelly_cobs,kelly_crc32c"),
     "device": (["app/estimate", "app/bench", "tables/paper"],
                "-eva-precision 0 -eva-slevel 30 -eva-auto-loop-unroll 100 -eva-min-loop-unroll 2 -eva-split-return full"),
-    "plant": (MODEL + ["plant", "axial"],
+    "plant": (MODEL + ["plant", "axial", "seal"],
               "-eva-precision 1 -eva-slevel 200 -eva-domains cvalue,equality,symbolic-locations -eva-auto-loop-unroll 24 -eva-split-return full "
               "-eva-use-spec kelly_sin_turn"),
 }
