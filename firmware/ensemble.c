@@ -223,6 +223,7 @@ void kelly_run_draws(const kelly_table *table, const kelly_case *run, const kell
     run_drawn(table, run, count, results, work);
 }
 
+#if __STDC_HOSTED__
 static void run_any(const kelly_table *table, const kelly_case *run, uint64_t seed, uint32_t first, uint32_t count,
                     kelly_result *results, void *work)
 {
@@ -237,3 +238,4 @@ static void run_any_draws(const kelly_table *table, const kelly_case *run, const
 
 const kelly_engine kelly_engine_here = { .name = KELLY_ISA_NAME, .width = KELLY_WIDTH, .lanes = KELLY_LANES,
                                          .work_size = sizeof(kelly_work), .run = run_any, .run_draws = run_any_draws };
+#endif

@@ -13,10 +13,8 @@
 
 #include "drive.h"
 #include "integrator.h"
+#include "seal.h"
 #include "tally.h"
-
-/* Steps between two looks. One takes as long as 40 steps of the vectors of a host, 100 of one lane: about a percent of those between. */
-#define KELLY_LOOK 8192u
 
 /* What one call of kelly_run needs beside its results: the caller's, contents of no meaning between calls. */
 typedef struct {

@@ -1,9 +1,37 @@
 #include "plant.h"
 
 #include "bitrock.h"
+#include "seal.h"
 
 #define F_OFFSET R(0.01)         /* constant part of f_a / f0, eq. (F) */
 #define SANE_AXIAL R(1e6)        /* [m/s] */
+
+/* ---- what must not change ---- */
+
+/* Over what only a start, a command and the end of its ramp change. */
+static uint32_t seal_of(const kelly_plant *plant)
+{
+    const size_t modes = (plant->modes.count < KELLY_MODES_MAX ? plant->modes.count : KELLY_MODES_MAX) * sizeof(real);
+    uint32_t seal = plant->varies ? kelly_driven_seal(&plant->driven) : kelly_block_seal(&plant->block);
+
+    seal = KELLY_SEAL_MEMBERS(seal, plant, kelly_plant, draw, draw);
+    seal = KELLY_SEAL_MEMBERS(seal, plant, kelly_plant, weight, gain);
+    seal = kelly_seal(seal, plant->modes.w2, modes);
+    seal = kelly_seal(seal, plant->modes.b, modes);
+    return kelly_seal(seal, plant->modes.d, modes);
+}
+
+static int counts_ticks(const kelly_plant *plant)
+{
+    return plant->tick == (plant->varies ? plant->driven.tick : plant->block.tick);
+}
+
+static void look(kelly_plant *plant)
+{
+    plant->changed |= (uint8_t)(seal_of(plant) != plant->seal);
+}
+
+/* ---- starts ---- */
 
 /* What every start begins with. `run` is that of the plant. */
 static kelly_status prepare(kelly_plant *plant, const kelly_table *table, const kelly_draw *draw)
@@ -17,7 +45,10 @@ static kelly_status prepare(kelly_plant *plant, const kelly_table *table, const 
     plant->draw = *draw;
     plant->weight = draw->fc;
     plant->target = draw->w0;
+    plant->gain = 0;
     plant->ramp = 0;
+    plant->tick = 0;
+    plant->changed = 0;
     plant->commanded = 0;
     plant->varies = plant->run.drive.inertia > 0;
     return kelly_axial_start(&plant->axial, table, &plant->run, draw);
@@ -44,6 +75,7 @@ kelly_status kelly_plant_start(kelly_plant *plant, const kelly_table *table, con
         kelly_block_clear(&plant->block, table, run, 1);
         kelly_block_load(&plant->block, 0, run, draw, &plant->modes);
     }
+    plant->seal = seal_of(plant);
     return KELLY_OK;
 }
 
@@ -67,6 +99,7 @@ kelly_status kelly_plant_start_commanded(kelly_plant *plant, const kelly_table *
     plant->commanded = 1;
     plant->target = top_speed;
     load_driven(plant, top_speed);
+    plant->seal = seal_of(plant);
     return KELLY_OK;
 }
 
@@ -82,12 +115,14 @@ void kelly_plant_command(kelly_plant *plant, real top_speed, real weight, uint32
     if (!plant->commanded || ticks == 0) {
         return;
     }
+    look(plant);
     plant->weight = weight;
     plant->target = top_speed;
     plant->ramp = ticks;
     plant->gain = (top_speed - kelly_driven_top_speed(&plant->driven, 0)) / (real)ticks;
     kelly_driven_weigh(&plant->driven, 0, &plant->run, &plant->draw, weight);
     kelly_driven_ramp(&plant->driven, 0, plant->gain / kelly_step_seconds(&plant->run));
+    plant->seal = seal_of(plant);
 }
 
 /* Forces f_a of the stages of the step that was made last. */
@@ -109,7 +144,9 @@ static void follow_ramp(kelly_plant *plant)
     if (plant->ramp > 0) {
         kelly_driven_adjust(&plant->driven, 0, plant->target - plant->gain * (real)plant->ramp);
     } else {
+        look(plant);
         kelly_driven_hold(&plant->driven, 0, plant->target);
+        plant->seal = seal_of(plant);
     }
 }
 
@@ -124,7 +161,7 @@ static void advance_driven(kelly_plant *plant, uint32_t ticks)
     }
 }
 
-void kelly_plant_advance(kelly_plant *plant, uint32_t ticks)
+static void advance(kelly_plant *plant, uint32_t ticks)
 {
     if (plant->varies) {
         advance_driven(plant, ticks);
@@ -134,6 +171,20 @@ void kelly_plant_advance(kelly_plant *plant, uint32_t ticks)
         kelly_axial_step(&plant->axial, plant->block.tick + k);
     }
     kelly_block_advance(&plant->block, ticks);
+}
+
+void kelly_plant_advance(kelly_plant *plant, uint32_t ticks)
+{
+    while (ticks > 0) {
+        const uint32_t since = plant->tick % KELLY_LOOK, part = ticks < KELLY_LOOK - since ? ticks : KELLY_LOOK - since;
+
+        if (since == 0) {
+            look(plant);
+        }
+        advance(plant, part);
+        plant->tick += part;
+        ticks -= part;
+    }
 }
 
 /* Torque at the top [N m], eq. (S): momentum of the whole string. The sum of G Ip theta' over the modes converges slowly. */
@@ -170,9 +221,11 @@ void kelly_plant_look(const kelly_plant *plant, kelly_sight *sight)
 int kelly_plant_sane(const kelly_plant *plant)
 {
     const real axial = kelly_axial_speed(&plant->axial);
-    const int torsion = plant->varies ? kelly_driven_sane(&plant->driven, 0) : kelly_block_sane(&plant->block, 0);
 
-    return torsion && axial > -SANE_AXIAL && axial < SANE_AXIAL;
+    if (plant->changed || !counts_ticks(plant)) {         /* its counts may lead anywhere */
+        return 0;
+    }
+    return (plant->varies ? kelly_driven_sane(&plant->driven, 0) : kelly_block_sane(&plant->block, 0)) && axial > -SANE_AXIAL && axial < SANE_AXIAL;
 }
 
 void kelly_plant_watch(kelly_plant *plant)

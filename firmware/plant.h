@@ -27,6 +27,9 @@ typedef struct {
     uint32_t ramp;               /* ticks that it still takes */
     uint8_t varies;              /* the top's speed: `driven` is in use */
     uint8_t commanded;
+    uint8_t changed;             /* a look found another seal than that of the start or of the last command */
+    uint32_t tick;               /* steps */
+    uint32_t seal;               /* of what only these change: seal.h */
 } kelly_plant;
 
 /* What can be seen of the string at one instant. */
@@ -61,7 +64,8 @@ void kelly_plant_advance(kelly_plant *plant, uint32_t ticks);
 /* Look. Cost: about 12 operations a mode. */
 void kelly_plant_look(const kelly_plant *plant, kelly_sight *sight);
 
-/* Whether every state is a finite number of sane size. */
+/* Whether every state is a finite number of sane size, as many steps were made as were asked for, and no coefficient has changed in memory
+ * by the last look: at every KELLY_LOOK steps (seal.h), a command and the end of its ramp. */
 int kelly_plant_sane(const kelly_plant *plant);
 
 /* The kelly_block_... of the same names, whatever the drive. The twist of a commanded top means nothing. */

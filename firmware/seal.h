@@ -1,6 +1,6 @@
 /* seal.h - a sum over numbers that must not change while a realisation is under way: its coefficients, its draw, its case.
  *
- * Taken when they are in place and again at the end, outside the loop over the steps. A change within one word of 32 bits always
+ * Taken when they are in place and again every KELLY_LOOK steps, outside the loop over the steps. A change within one word of 32 bits always
  * gives another sum, since every word goes in times an odd number (a power of KELLY_SEAL_FACTOR) modulo 2^32; other changes do with
  * probability 1 - 2^-32. It never leaves the machine, so bytes go in as they lie. Cost: one multiply-add a word.
  */
@@ -11,6 +11,9 @@
 #include <stdint.h>
 
 #define KELLY_SEAL_FACTOR 0x01000193u
+
+/* Steps between two looks. One takes as long as 40 steps of the vectors of a host, 100 of one lane: about a percent of those between. */
+#define KELLY_LOOK 8192u
 
 /* The sum over what `seal` covers followed by these bytes, a multiple of four; 0 covers nothing. */
 uint32_t kelly_seal(uint32_t seal, const void *from, size_t bytes);

@@ -81,7 +81,7 @@ DRIVERS = {
     "device": (["app/estimate", "app/bench", "tables/paper"],
                "-eva-precision 0 -eva-slevel 30 -eva-auto-loop-unroll 100 -eva-min-loop-unroll 2 -eva-split-return full"),
     "plant": (MODEL + ["plant", "axial"],
-              "-eva-precision 1 -eva-slevel 200 -eva-domains cvalue,equality,symbolic-locations -eva-auto-loop-unroll 24 -eva-split-return full "
+              "-eva-precision 1 -eva-slevel 200 -eva-slevel-function kelly_plant_start:5000,kelly_plant_start_commanded:5000,prepare:5000,start:5000,use:2000 -eva-domains cvalue,equality,symbolic-locations -eva-auto-loop-unroll 24 -eva-split-return full "
               "-eva-use-spec kelly_sin_turn"),
 }
 # what each file under -include needs besides eva.h

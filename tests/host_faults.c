@@ -244,6 +244,9 @@ int main(int argc, char **argv)
     }
     numbers_in_case();
     numbers_in_commands();
+    for (int top = 0; top < 3 && KELLY_WIDTH == 1; top++) {               /* its library has plants of one lane */
+        flips_in_plant(top);
+    }
     say("the table, bits", &table);
     say("coefficients, draws and case, bits", &coefficients);
     say("counts of loops, bits", &counts);

@@ -62,6 +62,7 @@ void numbers_in_state(tally *far, tally *small, int soft, unsigned every);
 void numbers_in_draws(int soft);
 void numbers_in_case(void);
 void numbers_in_commands(void);
+void flips_in_plant(int top);                       /* stiff, soft or commanded: 0, 1, 2 */
 
 /* host_faults_table.c */
 void flips_in_table(tally *t, uint32_t flips);

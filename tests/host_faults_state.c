@@ -188,10 +188,11 @@ void numbers_in_case(void)
     }
 }
 
+static kelly_plant plant;
+
 /* Commands to a string that runs: none of these is allowed. */
 void numbers_in_commands(void)
 {
-    static kelly_plant plant;
     real bad[BAD];
 
     run = base;
@@ -200,5 +201,60 @@ void numbers_in_commands(void)
     for (unsigned b = 0; b < BAD; b++) {
         CHECK(!kelly_plant_allows(&plant, clean[0].draw.w0, bad[b]) || (bad[b] > 0 && bad[b] < R(1e-30)));
         CHECK(!kelly_plant_allows(&plant, bad[b], clean[0].draw.fc) || KELLY_ABS(bad[b]) <= R(1.0));
+    }
+}
+
+/* ---- a single string ---------------------------------------------------------------------------------------------- */
+
+static void start_plant(int top)
+{
+    run = base;
+    run.drive = top == 1 ? (kelly_drive){ .inertia = R(2900.0), .impedance = R(289.0), .hz = R(0.2) } : (kelly_drive){ .inertia = 0 };
+    if (top == 2) {
+        EQUAL(kelly_plant_start_commanded(&plant, &kelly_string, &run, &clean[0].draw, clean[0].draw.w0), KELLY_OK);
+        kelly_plant_command(&plant, clean[0].draw.w0 * R(1.25), clean[0].draw.fc, 500);
+    } else {
+        EQUAL(kelly_plant_start(&plant, &kelly_string, &run, &clean[0].draw), KELLY_OK);
+    }
+    kelly_plant_advance(&plant, 1000);
+}
+
+static void plant_places(int top)
+{
+    site_count = 0;
+    if (top == 0) {
+        add_site(&plant.block.modes, 4);
+        add_site(&plant.block.vectors, 4);
+        add_site(&plant.block.h, sizeof(real));
+        add_site(&plant.block.phase_step[0], 8);
+        add_site(&plant.block.lane[0].w0, SPAN(kelly_lane, w0, twice_g2) * sizeof(real));
+    } else {
+        add_site(&plant.driven.modes, 4);
+        add_site(&plant.driven.vectors, 4);
+        add_site(&plant.driven.phase_step[0], 8);
+        add_site(&plant.driven.lane[0].w_ref, SPAN(kelly_driven_lane, w_ref, counted) * sizeof(real));
+        add_site(&plant.driven.mode[0][0].w, SPAN(kelly_driven_mode, w, d11) * sizeof(real));
+    }
+    add_site(&plant.draw, sizeof(plant.draw));
+    add_site(&plant.weight, sizeof(real));
+    add_site(&plant.modes.w2[1], sizeof(real));
+    add_site(&plant.tick, 4);
+    add_site(&plant.seal, 4);
+}
+
+/* Every bit of what must not change: the string is not sane by the next look, and without a flip it is. */
+void flips_in_plant(int top)
+{
+    start_plant(top);
+    kelly_plant_advance(&plant, KELLY_LOOK);
+    CHECK(kelly_plant_sane(&plant) && plant.tick == KELLY_LOOK + 1000);
+    plant_places(top);
+    for (unsigned s = 0; s < site_count; s++) {
+        for (unsigned bit = 0; bit < 8 * sites[s].bytes; bit += 3) {
+            start_plant(top);
+            flip(&sites[s], bit);
+            kelly_plant_advance(&plant, KELLY_LOOK);
+            CHECK(!kelly_plant_sane(&plant));
+        }
     }
 }
