@@ -28,7 +28,9 @@ static int counts_ticks(const kelly_plant *plant)
 
 static void look(kelly_plant *plant)
 {
-    plant->changed |= (uint8_t)(seal_of(plant) != plant->seal);
+    if (seal_of(plant) != plant->seal) {
+        plant->changed = 1;
+    }
 }
 
 /* ---- starts ---- */
