@@ -48,7 +48,7 @@ DRIVERS = {
     "link": (LINK, "-eva-precision 1 -eva-auto-loop-unroll 34 -eva-slevel 12 -eva-slevel-function put_digits:60 -eva-split-return full "
                    "-eva-use-spec kelly_cobs"),
     "text": ("app/out app/say link/frame link/crc32c".split(),
-             "-eva-precision 0 -eva-slevel 30 -eva-auto-loop-unroll 16 -eva-split-return full -eva-use-spec kelly_cobs"),
+             "-eva-precision 0 -eva-slevel 30 -eva-auto-loop-unroll 16 -eva-partition-value deferred -eva-split-return full -eva-use-spec kelly_cobs"),
     "sequence": (["sequence", "detmath"], "-eva-precision 0 -eva-slevel 4 -eva-auto-loop-unroll 30 -eva-min-loop-unroll 28 -eva-use-spec kelly_log32"),
     "interval": (["detmath"], "-eva-precision 0 -eva-slevel 4 -eva-auto-loop-unroll 30 -eva-min-loop-unroll 60 "
                               "-eva-use-spec kelly_log,kelly_exp,fraction"),
@@ -224,6 +224,8 @@ def prove(names):
             done = [int(line.split()[1]) for line in lines if re.fullmatch(r"valid \d+", line)]
             claim(len(done) == 1, f"{driver}: the analysis comes to its end: {' '.join(lines[-3:])}")
             claim(not found, f"{driver}: nothing is open: " + "; ".join(found[:12]))
+            broken = [line for line in lines if line.startswith("false ") and not re.search(" reachability (of|post) ", line)]
+            claim(not broken, f"{driver}: nothing is false, which would end the analysis there: " + "; ".join(broken))
             alarms += len(found)
             valid += sum(done)
             coverage.take(lines)

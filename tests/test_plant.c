@@ -130,6 +130,22 @@ static void knows_the_insane(real inertia)
     CHECK(!kelly_plant_sane(plant));
 }
 
+/* A coefficient that is no longer what it was when the string was started is told from the next look on: here that of the first step. */
+static void knows_another_coefficient(real inertia)
+{
+    fixture_case(&run, 100);
+    kelly_draw_nominal(&run, &draw);
+    run.drive = (kelly_drive){ .inertia = inertia, .impedance = R(289.0), .hz = R(0.2) };
+    EQUAL(kelly_plant_start(plant, &kelly_string, &run, &draw), KELLY_OK);
+    plant->draw.mu *= R(1.001);
+    CHECK(kelly_plant_sane(plant));
+    kelly_plant_advance(plant, 1);
+    CHECK(!kelly_plant_sane(plant));
+    plant->draw.mu = draw.mu;
+    kelly_plant_advance(plant, 1);
+    CHECK(!kelly_plant_sane(plant));
+}
+
 /* Extremes of realisation `index` as the plant sees them, in uneven pieces. */
 static void watch_plant(uint32_t index, real *lowest, real *highest)
 {
@@ -171,5 +187,7 @@ void test_plant(void)
     twists_by_what_the_bit_lags(R(2900.0));
     knows_the_insane(0);
     knows_the_insane(R(2900.0));
+    knows_another_coefficient(0);
+    knows_another_coefficient(R(2900.0));
     is_the_ensemble_realisation();
 }

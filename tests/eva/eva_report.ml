@@ -4,6 +4,7 @@
      statements REACHED OF FUNCTION FILE
      dead FILE:LINE FUNCTION     a line with a statement that no input of the driver reaches
      open FILE:LINE WHAT         an alarm or another property without proof
+     false FILE:LINE WHAT        one that no input fulfils: what comes after it is not analysed
      valid N                     properties that are proved *)
 
 open Cil_types
@@ -45,12 +46,16 @@ let properties () =
   let one ip =
     match Property_status.get ip with
     | Property_status.Best (Property_status.True, _) -> incr valid
-    | Property_status.Best (_, _) | Property_status.Inconsistent _ ->
+    | Property_status.Never_tried -> ()
+    | status ->
       let text = Format.asprintf "%a" Property.pretty ip in
       let text = String.concat " " (List.filter (fun w -> w <> "") (String.split_on_char ' '
         (String.map (fun c -> if c = '\n' then ' ' else c) text))) in
-      Printf.printf "open %s %s\n" (place (Property.location ip)) text
-    | Property_status.Never_tried -> ()
+      let said = match status with
+        | Property_status.Best ((Property_status.False_if_reachable | Property_status.False_and_reachable), _) -> "false"
+        | _ -> "open"
+      in
+      Printf.printf "%s %s %s\n" said (place (Property.location ip)) text
   in
   Property_status.iter one;
   Printf.printf "valid %d\n" !valid
