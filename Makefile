@@ -156,7 +156,7 @@ endif
 unit_objects := $(patsubst tests/%.c,$(dir)/tests/%.o,tests/main.c tests/check.c tests/fixture.c tests/textbook.c tests/rare_events.c \
                 $(wildcard tests/test_*.c))
 engine_objects := $(dir)/host/engine.o $(dir)/host/files.o
-fault_files := host_faults host_faults_state host_faults_table
+fault_files := host_faults host_faults_state host_faults_table host_faults_instant
 
 unit: $(dir)/unit $(dir)/lanes $(dir)/accuracy $(dir)/app-unit $(dir)/drive-numbers $(dir)/faults $(dir)/faults-lanes $(dir)/random-stream
 

@@ -1,6 +1,28 @@
 #include "axial.h"
 
 #include "detmath.h"
+#include "seal.h"
+
+static size_t bytes_of(const kelly_axial *axial)
+{
+    return (axial->count < KELLY_MODES_MAX ? axial->count : KELLY_MODES_MAX) * sizeof(real);
+}
+
+/* Of the state. */
+static uint32_t seal_of(const kelly_axial *axial)
+{
+    return kelly_seal(kelly_seal(0, axial->p, bytes_of(axial)), axial->v, bytes_of(axial));
+}
+
+uint32_t kelly_axial_seal(uint32_t seal, const kelly_axial *axial)
+{
+    seal = KELLY_SEAL_MEMBERS(seal, axial, kelly_axial, h, f0);
+    seal = kelly_seal(seal, &axial->count, sizeof(axial->count));
+    seal = kelly_seal(seal, &axial->phase_step, sizeof(axial->phase_step));
+    seal = kelly_seal(seal, axial->w2, bytes_of(axial));
+    seal = kelly_seal(seal, axial->c, bytes_of(axial));
+    return kelly_seal(seal, axial->b, bytes_of(axial));
+}
 
 real kelly_axial_largest_step(const kelly_table *table, const kelly_case *run, const kelly_draw *draw)
 {
@@ -36,7 +58,14 @@ kelly_status kelly_axial_start(kelly_axial *axial, const kelly_table *table, con
         axial->p[j] = 0;
         axial->v[j] = 0;
     }
+    axial->seal = 0;                        /* that of zeros */
+    axial->touched = 0;
     return KELLY_OK;
+}
+
+int kelly_axial_untouched(const kelly_axial *axial)
+{
+    return !axial->touched && seal_of(axial) == axial->seal;
 }
 
 /* Force f_a [N] at a phase of the top. */
@@ -54,6 +83,7 @@ void kelly_axial_push(kelly_axial *axial, const real f[4])
 {
     const real h = axial->h, half = R(0.5) * h;
 
+    axial->touched |= (uint8_t)!kelly_axial_untouched(axial);
     for (unsigned j = 0; j < axial->count; j++) {
         const real p = axial->p[j], v = axial->v[j];
         const real a1 = acceleration(axial, j, f[0], p, v), v2 = v + half * a1;
@@ -64,6 +94,7 @@ void kelly_axial_push(kelly_axial *axial, const real f[4])
         axial->p[j] = p + h / R(6.0) * ((v + v4) + 2 * (v2 + v3));
         axial->v[j] = v + h / R(6.0) * ((a1 + a4) + 2 * (a2 + a3));
     }
+    axial->seal = seal_of(axial);
 }
 
 void kelly_axial_step(kelly_axial *axial, uint32_t tick)

@@ -18,6 +18,8 @@ typedef struct {
     real w2[KELLY_MODES_MAX], c[KELLY_MODES_MAX], b[KELLY_MODES_MAX];
     real p[KELLY_MODES_MAX];     /* modal displacement relative to u_S [kg^1/2 m] */
     real v[KELLY_MODES_MAX];     /* its speed [kg^1/2 m/s] */
+    uint32_t seal;               /* of p and v as the last step left them: seal.h */
+    uint8_t touched;             /* a step found others */
 } kelly_axial;
 
 /* From u = u_S at zero speed. KELLY_OK, KELLY_RANGE where fc is outside the fit, KELLY_STEP where RK4 would not be stable
@@ -32,6 +34,12 @@ void kelly_axial_step(kelly_axial *axial, uint32_t tick);
 
 /* One RK4 step under these forces f_a [N] of its four stages: for a top whose phase is not w0 t. */
 void kelly_axial_push(kelly_axial *axial, const real f[4]);
+
+/* Whether p and v are what the last step left. */
+int kelly_axial_untouched(const kelly_axial *axial);
+
+/* A sum over what `seal` covers and over all that does not change as it advances: seal.h. */
+uint32_t kelly_axial_seal(uint32_t seal, const kelly_axial *axial);
 
 /* Axial bit speed [m/s]: sum b_j p_j'. */
 real kelly_axial_speed(const kelly_axial *axial);

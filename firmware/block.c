@@ -177,6 +177,25 @@ static void watch(kelly_lane *lane)
     lane->highest = lane->y1;
 }
 
+/* v and x, or xi and zeta, of a mode. */
+static const vreal *state_of(const kelly_block *block, unsigned v, unsigned i)
+{
+    return block->full ? &block->mode[v][i].xi : &block->slow[v][i].v;
+}
+
+/* What the guard of a vector is between two steps. */
+KELLY_SHARED vbits state_bits(const kelly_block *block, unsigned v)
+{
+    vbits bits = held(&block->lane[v]);
+
+    for (unsigned i = 0; i < block->modes && i < KELLY_MODES_MAX; i++) {
+        const vreal *const state = state_of(block, v, i);
+
+        bits = bits ^ vbits_of(state[0]) ^ vbits_of(state[1]);
+    }
+    return bits;
+}
+
 void kelly_block_load(kelly_block *block, unsigned lane, const kelly_case *run,
                       const kelly_draw *draw, const kelly_modes *modes)
 {
@@ -199,13 +218,32 @@ void kelly_block_load(kelly_block *block, unsigned lane, const kelly_case *run,
     first_speeds(block, lane / KELLY_WIDTH);
     kelly_block_resync(block, lane);
     watch(out);
+    out->guard = state_bits(block, lane / KELLY_WIDTH);
 }
 
 void kelly_block_watch(kelly_block *block)
 {
     for (unsigned v = 0; v < KELLY_VECTORS; v++) {
-        watch(&block->lane[v]);
+        kelly_lane *const on = &block->lane[v];
+
+        guard(on);
+        watch(on);
+        guard(on);
     }
+}
+
+int kelly_block_untouched(const kelly_block *block)
+{
+#if KELLY_GUARD
+    for (unsigned v = 0; v < KELLY_VECTORS && v < block->vectors; v++) {
+        if (!vsame(state_bits(block, v), block->lane[v].guard)) {
+            return 0;
+        }
+    }
+#else
+    (void)block;
+#endif
+    return 1;
 }
 
 real kelly_block_speed(const kelly_block *block, unsigned lane)
@@ -314,7 +352,7 @@ int kelly_block_sane(const kelly_block *block, unsigned lane)
                within(LANE(lane_now->y1, l), SANE_SPEED);
 
     for (unsigned i = 0; i < block->modes; i++) {
-        const vreal *const state = block->full ? &block->mode[v][i].xi : &block->slow[v][i].v;     /* and the next one */
+        const vreal *const state = state_of(block, v, i);
 
         good = good && within(LANE(state[0], l), SANE) && within(LANE(state[1], l), SANE);
     }

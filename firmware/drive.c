@@ -12,13 +12,6 @@
 #define UNROLL
 #endif
 
-/* What several stages share: one copy on a small machine, whose flash it spares; inlined where vectors demand it. */
-#if KELLY_WIDTH == 1
-#define SHARED static __attribute__((noinline))
-#else
-#define SHARED KELLY_INLINE
-#endif
-
 /* One stage of a step: what goes in, and the torque, eta' and u that come out. */
 typedef struct {
     vreal eta, phi, y, p, sine;
@@ -37,7 +30,7 @@ typedef struct {
 } impulses;
 
 /* sin a and 1 - cos a of |a| <= KELLY_TURN, within 2e-11 (float: half an ulp). */
-SHARED void small_angle(vreal a, vreal *sine, vreal *versine)
+KELLY_SHARED void small_angle(vreal a, vreal *sine, vreal *versine)
 {
     const vreal u = a * a;
 #ifdef KELLY_DOUBLE
@@ -71,7 +64,7 @@ KELLY_INLINE void turn(kelly_driven_lane *on, vreal a)
 }
 
 /* Torque of the bit and slope of the top. */
-SHARED void respond(const kelly_driven_lane *on, stage *s, real alpha)
+KELLY_SHARED void respond(const kelly_driven_lane *on, stage *s, real alpha)
 {
     const vreal muf = vmin(on->muf_mean + on->muf_swing * s->sine, vsplat(0));
     vreal push;
@@ -83,20 +76,22 @@ SHARED void respond(const kelly_driven_lane *on, stage *s, real alpha)
 }
 
 /* Speed, angle and weight of a stage that the slope and the speed of `from` lead to in the time dt. */
-SHARED void reach(const kelly_driven_lane *on, stage *s, const stage *from, real dt)
+KELLY_SHARED void reach(const kelly_driven_lane *on, stage *s, const stage *from, real dt)
 {
     s->eta = on->eta + dt * from->slope;
     s->phi = on->phi + dt * (from->eta - on->counted);
     s->sine = sine_after(on, dt * (on->w_ref + from->eta));
 }
 
-SHARED vreal echo(const kelly_output *o, unsigned k, const stage *s)
+KELLY_SHARED vreal echo(const kelly_output *o, unsigned k, const stage *s)
 {
     return o->of_t[k] * s->t + o->of_u[k] * s->u;
 }
 
-KELLY_INLINE void first(const kelly_driven_lane *on, stage *s, real alpha)
+/* The first stage, where what the lane has held is read. */
+KELLY_INLINE void first(kelly_driven_lane *on, stage *s, real alpha)
 {
+    kelly_driven_guard(on);
     s->eta = on->eta;
     s->phi = on->phi;
     s->sine = on->sine;
@@ -129,7 +124,7 @@ KELLY_INLINE void fourth(const kelly_driven_lane *on, stage s[4], real h, real a
     respond(on, &s[3], alpha);
 }
 
-SHARED impulses impulses_of(vreal f1, vreal f2, vreal f3, vreal f4, real h)
+KELLY_SHARED impulses impulses_of(vreal f1, vreal f2, vreal f3, vreal f4, real h)
 {
     const real sixth = h / R(6.0);
     const vreal f12 = f1 + f2, f123 = f12 + f3;
@@ -143,7 +138,7 @@ SHARED impulses impulses_of(vreal f1, vreal f2, vreal f3, vreal f4, real h)
 }
 
 /* (v, x) <- (v, x) + D (v, x) + the impulses, by Horner's rule in A. */
-KELLY_INLINE void move(kelly_driven_mode *m, const impulses *t, const impulses *u)
+KELLY_INLINE void move(kelly_driven_mode *m, const impulses *t, const impulses *u, vbits *guard)
 {
     const vreal s0 = t->s0 - m->r * u->s0, s1 = t->s1 - m->r * u->s1, s2 = t->s2 - m->r * u->s2, s3 = t->s3 - m->r * u->s3;
     const vreal z = s2 - m->c * s3, x1 = (s1 - m->c * z) - m->w * s3, v1 = (s0 - m->c * x1) - m->w * z;
@@ -151,6 +146,7 @@ KELLY_INLINE void move(kelly_driven_mode *m, const impulses *t, const impulses *
 
     m->v = v + ((m->d00 * v + m->d01 * x) + v1);
     m->x = x + ((m->d10 * v + m->d11 * x) + x1);
+    vguard(guard, vbits_of(v) ^ vbits_of(x) ^ vbits_of(m->v) ^ vbits_of(m->x));
 }
 
 KELLY_INLINE void add_outputs(sums *sum, const kelly_driven_mode *m)
@@ -171,7 +167,7 @@ KELLY_INLINE void add_outputs(sums *sum, const kelly_driven_mode *m)
 }
 
 /* An output at the four stages from its value and its first three derivatives. */
-SHARED void stages_of(vreal at[4], vreal o0, vreal o1, vreal o2, vreal o3)
+KELLY_SHARED void stages_of(vreal at[4], vreal o0, vreal o1, vreal o2, vreal o3)
 {
     at[0] = o0;
     at[1] = o0 + R(0.5) * o1;
@@ -180,7 +176,7 @@ SHARED void stages_of(vreal at[4], vreal o0, vreal o1, vreal o2, vreal o3)
 }
 
 /* What the next step starts from, out of the sums. */
-SHARED void look_ahead(kelly_driven_lane *on, const sums *sum, real be)
+KELLY_SHARED void look_ahead(kelly_driven_lane *on, const sums *sum, real be)
 {
     stages_of(on->y.at, sum->y0, sum->y1, sum->y2, sum->y3);
     stages_of(on->p.at, sum->p0 + be * sum->p1, sum->p1 + be * sum->p2, sum->p2 + be * sum->p3, sum->p3 + be * sum->p4);
@@ -205,19 +201,22 @@ KELLY_INLINE void finish(kelly_driven_lane *on, kelly_driven_mode *mode, unsigne
 {
     const impulses t = impulses_of(s[0].t, s[1].t, s[2].t, s[3].t, h), u = impulses_of(s[0].u, s[1].u, s[2].u, s[3].u, h);
     sums sum = { .y0 = vsplat(0) };
+    vbits guard = on->guard;
 
     for (unsigned i = 0; i < modes; i++) {
         kelly_driven_mode now = mode[i];
 
-        move(&now, &t, &u);
+        move(&now, &t, &u, &guard);
         mode[i].v = now.v;
         mode[i].x = now.x;
         add_outputs(&sum, &now);
     }
+    on->guard = guard;
     move_top(on, s, h);
     look_ahead(on, &sum, be);
     on->lowest = vmin(on->speed, on->lowest);
     on->highest = vmax(on->speed, on->highest);
+    kelly_driven_guard(on);
 }
 
 /* Advance `vectors` vectors, a compile-time constant, stage by stage, as in integrator.c. */
@@ -290,12 +289,14 @@ void kelly_driven_resync(kelly_driven *driven, unsigned lane)
     const unsigned l = lane % KELLY_WIDTH;
     const uint64_t phase = phase_of(driven, lane);
 
+    kelly_driven_guard(on);
     LANE(on->sine, l) = kelly_sin_turn(phase);
     LANE(on->cosine, l) = kelly_sin_turn(phase + QUARTER_TURN);
     if (!(LANE(on->gain, l) > 0)) {
-        driven->phase[lane] = phase;
+        kelly_driven_put_phase(driven, lane, phase);
         LANE(on->phi, l) = 0;
     }
+    kelly_driven_guard(on);
 }
 
 /* Whether sine or cosine is further from that of theta_top than rounding leads. A NaN in them would not be seen otherwise. */
@@ -321,7 +322,7 @@ void kelly_driven_advance(kelly_driven *driven, uint32_t ticks)
         }
         advance(driven, part);
         for (unsigned lane = 0; lane < driven->vectors * KELLY_WIDTH; lane++) {
-            driven->phase[lane] += driven->phase_step[lane] * part;
+            kelly_driven_put_phase(driven, lane, driven->phase[lane] + driven->phase_step[lane] * part);
         }
         driven->tick += part;
         ticks -= part;

@@ -75,6 +75,7 @@ typedef struct {
     kelly_output y, p;
     vreal speed;                 /* of the bit now */
     vreal lowest, highest;       /* of it since the last kelly_driven_watch */
+    vbits guard;                 /* of the state: eta to cosine, y.at, p.at, from speed on, and of the modes; seal.h */
 } kelly_driven_lane;
 
 typedef struct {
@@ -88,7 +89,31 @@ typedef struct {
     uint32_t step_ns;
     uint32_t tick;
     uint8_t strayed[KELLY_LANES];       /* sine or cosine of this lane was not that of theta_top: 1 */
+    uint64_t phases;             /* guard of phase[] */
 } kelly_driven;
+
+/* Over what a lane holds from one step to the next: its share of the guard. */
+KELLY_SHARED vbits kelly_driven_held(const kelly_driven_lane *on)
+{
+    vbits bits = vbits_of(on->eta) ^ vbits_of(on->phi) ^ vbits_of(on->sine) ^ vbits_of(on->cosine) ^ vbits_of(on->speed) ^
+                 vbits_of(on->lowest) ^ vbits_of(on->highest);
+
+    for (unsigned k = 0; k < 4; k++) {
+        bits = bits ^ vbits_of(on->y.at[k]) ^ vbits_of(on->p.at[k]);
+    }
+    return bits;
+}
+
+KELLY_SHARED void kelly_driven_guard(kelly_driven_lane *on)
+{
+    vguard(&on->guard, kelly_driven_held(on));
+}
+
+KELLY_SHARED void kelly_driven_put_phase(kelly_driven *driven, unsigned lane, uint64_t phase)
+{
+    driven->phases ^= driven->phase[lane] ^ phase;
+    driven->phase[lane] = phase;
+}
 
 /* Prepare for `lanes` realisations (1..KELLY_LANES) of this case at tick 0. Every lane idles until it is loaded. */
 void kelly_driven_clear(kelly_driven *driven, const kelly_table *table, const kelly_case *run, unsigned lanes);
@@ -123,6 +148,7 @@ void kelly_driven_modal(const kelly_driven *driven, unsigned lane, const kelly_m
                         real q[KELLY_MODES_MAX], real v[KELLY_MODES_MAX]);
 real kelly_driven_twist(const kelly_driven *driven, unsigned lane, const kelly_modes *modes);
 int kelly_driven_sane(const kelly_driven *driven, unsigned lane);
+int kelly_driven_untouched(const kelly_driven *driven);
 
 /* A sum over everything that does not change as tops that are not commanded advance: see seal.h. */
 uint32_t kelly_driven_seal(const kelly_driven *driven);

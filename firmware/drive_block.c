@@ -115,13 +115,24 @@ static void load_top(kelly_driven_lane *on, unsigned l, const kelly_table *table
     LANE(on->phi, l) = 0;
 }
 
+/* What the guard of a vector is between two steps. */
+KELLY_SHARED vbits state_bits(const kelly_driven *driven, unsigned v)
+{
+    vbits bits = kelly_driven_held(&driven->lane[v]);
+
+    for (unsigned i = 0; i < driven->modes && i < KELLY_MODES_MAX; i++) {
+        bits = bits ^ vbits_of(driven->mode[v][i].v) ^ vbits_of(driven->mode[v][i].x);
+    }
+    return bits;
+}
+
 void kelly_driven_load(kelly_driven *driven, unsigned lane, const kelly_table *table, const kelly_case *run,
                        const kelly_draw *draw, const kelly_modes *modes, real top_speed)
 {
     const unsigned l = lane % KELLY_WIDTH;
     kelly_driven_lane *const on = &driven->lane[lane / KELLY_WIDTH];
 
-    driven->phase[lane] = 0;
+    kelly_driven_put_phase(driven, lane, 0);
     driven->strayed[lane] = 0;
     driven->phase_step[lane] = kelly_turns(top_speed, run->step_ns);
     LANE(on->w_ref, l) = draw->w0;
@@ -134,6 +145,7 @@ void kelly_driven_load(kelly_driven *driven, unsigned lane, const kelly_table *t
     kelly_driven_resync(driven, lane);
     LANE(on->lowest, l) = LANE(on->speed, l);
     LANE(on->highest, l) = LANE(on->speed, l);
+    on->guard = state_bits(driven, lane / KELLY_WIDTH);
 }
 
 void kelly_driven_weigh(kelly_driven *driven, unsigned lane, const kelly_case *run, const kelly_draw *draw, real weight)
@@ -150,9 +162,11 @@ static void count_from_here(kelly_driven *driven, unsigned lane)
     kelly_driven_lane *const on = &driven->lane[lane / KELLY_WIDTH];
     const unsigned l = lane % KELLY_WIDTH;
 
-    driven->phase[lane] += kelly_turns(LANE(on->phi, l), 1000000000u);
+    kelly_driven_put_phase(driven, lane, driven->phase[lane] + kelly_turns(LANE(on->phi, l), 1000000000u));
     driven->phase_step[lane] = kelly_turns(LANE(on->w_ref, l) + LANE(on->eta, l), driven->step_ns);
+    vguard(&on->guard, vbits_of(on->phi));
     LANE(on->phi, l) = 0;
+    vguard(&on->guard, vbits_of(on->phi));
     LANE(on->counted, l) = LANE(on->eta, l);
 }
 
@@ -167,8 +181,10 @@ void kelly_driven_adjust(kelly_driven *driven, unsigned lane, real top_speed)
     kelly_driven_lane *const on = &driven->lane[lane / KELLY_WIDTH];
     const unsigned l = lane % KELLY_WIDTH;
 
+    kelly_driven_guard(on);
     LANE(on->eta, l) = top_speed - LANE(on->w_ref, l);
     LANE(on->speed, l) = (LANE(on->w_ref, l) + LANE(on->eta, l)) + LANE(on->y.at[0], l);
+    kelly_driven_guard(on);
 }
 
 void kelly_driven_hold(kelly_driven *driven, unsigned lane, real top_speed)
@@ -181,8 +197,12 @@ void kelly_driven_hold(kelly_driven *driven, unsigned lane, real top_speed)
 void kelly_driven_watch(kelly_driven *driven)
 {
     for (unsigned v = 0; v < KELLY_VECTORS; v++) {
-        driven->lane[v].lowest = driven->lane[v].speed;
-        driven->lane[v].highest = driven->lane[v].speed;
+        kelly_driven_lane *const on = &driven->lane[v];
+
+        kelly_driven_guard(on);
+        on->lowest = on->speed;
+        on->highest = on->speed;
+        kelly_driven_guard(on);
     }
 }
 
@@ -241,6 +261,26 @@ int kelly_driven_sane(const kelly_driven *driven, unsigned lane)
         good = good && within(LANE(driven->mode[v][i].v, l), SANE) && within(LANE(driven->mode[v][i].x, l), SANE);
     }
     return good;
+}
+
+int kelly_driven_untouched(const kelly_driven *driven)
+{
+#if KELLY_GUARD
+    uint64_t phases = driven->phases;
+
+    for (unsigned lane = 0; lane < KELLY_LANES; lane++) {
+        phases ^= driven->phase[lane];
+    }
+    for (unsigned v = 0; v < KELLY_VECTORS && v < driven->vectors; v++) {
+        if (!vsame(state_bits(driven, v), driven->lane[v].guard)) {
+            return 0;
+        }
+    }
+    return phases == 0;
+#else
+    (void)driven;
+    return 1;
+#endif
 }
 
 uint32_t kelly_driven_seal(const kelly_driven *driven)

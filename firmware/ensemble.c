@@ -98,6 +98,7 @@ static uint32_t seal_of(const kelly_case *run, unsigned count, const kelly_resul
         const uint32_t flags = results[l].status | (uint32_t)results[l].liftoff << 8;
 
         seal = kelly_seal(seal, &results[l].draw, sizeof(results[l].draw));
+        seal = kelly_seal(seal, &results[l].mean, sizeof(results[l].mean));      /* the twist where the window opened */
         seal = kelly_seal(seal, &flags, sizeof(flags));
     }
     return seal;
@@ -136,10 +137,16 @@ static uint32_t tick_of(const kelly_case *run, const kelly_work *work)
     return soft(run) ? work->driven.tick : work->block.tick;
 }
 
-/* Whether all is as it was when the block began. Asked before the table is used, which may lead anywhere else. */
+static int untouched(const kelly_case *run, const kelly_work *work)
+{
+    return soft(run) ? kelly_driven_untouched(&work->driven) : kelly_block_untouched(&work->block);
+}
+
+/* Whether all is as it was when the block began, and the state as the last step left it. Asked before the table is used, which may lead anywhere else. */
 SHARED int intact(const kelly_table *table, const kelly_case *run, unsigned count, const kelly_result *results, const kelly_work *work)
 {
-    return tick_of(run, work) == work->tick && kelly_table_error(table) == 0 && seal_of(run, count, results, work) == work->seal;
+    return tick_of(run, work) == work->tick && untouched(run, work) && kelly_table_error(table) == 0 &&
+           seal_of(run, count, results, work) == work->seal;
 }
 
 static uint32_t lesser(uint32_t a, uint32_t b)
@@ -160,6 +167,7 @@ uint32_t kelly_run_advance(const kelly_table *table, const kelly_case *run, unsi
         }
         if (tick == run->window_first) {
             open_window(table, run, count, results, work);
+            work->seal = seal_of(run, count, results, work);
         }
         advance(run, part, work);
         work->tick += part;

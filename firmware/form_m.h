@@ -33,13 +33,14 @@ KELLY_INLINE void add_m(sums_m *sum, sums_m one)
 }
 
 /* x <- x + D x + inputs; returns the outputs. */
-KELLY_INLINE sums_m move_m(kelly_mode *mode, const inputs_m *in)
+KELLY_INLINE sums_m move_m(kelly_mode *mode, const inputs_m *in, vbits *guard)
 {
     kelly_mode now = *mode;
     const vreal xi = now.xi, zeta = now.zeta;
 
     now.xi = xi + ((now.d00 * xi + now.d01 * zeta) + (in->s0 + now.w4 * (in->e1 + now.w4 * in->e2)));
     now.zeta = zeta + ((now.d10 * xi + now.d11 * zeta) + (in->e4 + now.w4 * in->e3));
+    vguard(guard, vbits_of(xi) ^ vbits_of(zeta) ^ vbits_of(now.xi) ^ vbits_of(now.zeta));
     mode->xi = now.xi;
     mode->zeta = now.zeta;
     return outputs_m(&now);
@@ -75,11 +76,13 @@ KELLY_INLINE void finish_m(kelly_lane *on, kelly_mode *mode, unsigned modes, con
 {
     const inputs_m in = inputs_of_m(on, at, al, be);
     const kelly_mode *const end = mode + modes;
-    sums_m sum = move_m(mode, &in);
+    vbits guard = on->guard;
+    sums_m sum = move_m(mode, &in, &guard);
 
     while (++mode < end) {
-        add_m(&sum, move_m(mode, &in));
+        add_m(&sum, move_m(mode, &in, &guard));
     }
+    on->guard = guard;
     stage_speeds_m(on, &sum, al, be);
 }
 

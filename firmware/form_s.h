@@ -47,13 +47,14 @@ KELLY_INLINE void add_s(sums_s *sum, sums_s one)
 }
 
 /* Move the mode that *mode points to, and the pointer on; returns its outputs. */
-KELLY_INLINE sums_s next_s(kelly_slow_mode **mode, const inputs_s *in)
+KELLY_INLINE sums_s next_s(kelly_slow_mode **mode, const inputs_s *in, vbits *guard)
 {
     kelly_slow_mode now = fetch(mode);
-    const vreal v = now.v;
+    const vreal v = now.v, x = now.x;
 
-    now.v = v + ((now.t * v - now.d * (now.x + in->f)) + in->p);
-    now.x = now.x + ((v + now.v) + in->e);
+    now.v = v + ((now.t * v - now.d * (x + in->f)) + in->p);
+    now.x = x + ((v + now.v) + in->e);
+    vguard(guard, vbits_of(v) ^ vbits_of(x) ^ vbits_of(now.v) ^ vbits_of(now.x));
     (*mode)[-1].v = now.v;
     (*mode)[-1].x = now.x;
     return outputs_s(&now);
@@ -89,11 +90,13 @@ KELLY_INLINE void finish_s(kelly_lane *on, kelly_slow_mode *mode, unsigned modes
 {
     const inputs_s in = inputs_of_s(on, at, al, be);
     const kelly_slow_mode *const end = mode + modes;
-    sums_s sum = next_s(&mode, &in);
+    vbits guard = on->guard;
+    sums_s sum = next_s(&mode, &in, &guard);
 
     while (mode < end) {
-        add_s(&sum, next_s(&mode, &in));
+        add_s(&sum, next_s(&mode, &in, &guard));
     }
+    on->guard = guard;
     stage_speeds_s(on, &sum, al, be);
 }
 

@@ -28,6 +28,7 @@ KELLY_INLINE void finish(kelly_block *block, unsigned v, const stages *at, const
     }
     watch(&block->lane[v]);
     first_torque(&block->lane[v]);
+    guard(&block->lane[v]);
 }
 
 /* The second, third or fourth torque of a vector. */
@@ -119,10 +120,12 @@ void kelly_block_resync(kelly_block *block, unsigned lane)
     const real swing = LANE(out->muf_swing, l), wave = swing * kelly_sin_turn(phase);
     const real muf = LANE(out->muf_mean, l) + wave;
 
+    guard(out);
     LANE(out->wave, l) = wave;
     LANE(out->dwave, l) = swing * (2 * kelly_sin_turn(phase + step / 2 + QUARTER_TURN) * kelly_sin_turn(step / 2));
     LANE(out->muf, l) = muf < 0 ? muf : 0;
     first_torque(out);
+    guard(out);
 }
 
 void kelly_block_advance(kelly_block *block, uint32_t ticks)

@@ -73,6 +73,7 @@ typedef struct {
     vreal t1;                    /* bit torque at t_n */
     vreal y1, y2, y3, y4;        /* stage speeds of the next step without its own torques; y1 is the bit speed now */
     vreal lowest, highest;       /* of the bit speed since the last kelly_block_watch */
+    vbits guard;                 /* of the state, from wave on and of the modes: seal.h */
 } kelly_lane;
 
 typedef struct {
@@ -120,6 +121,9 @@ int kelly_block_sane(const kelly_block *block, unsigned lane);
 
 /* A sum over everything in the vectors in use that does not change as they advance: see seal.h. */
 uint32_t kelly_block_seal(const kelly_block *block);
+
+/* Whether the state of every lane is, bit by bit, what the last step left: seal.h. Always, where KELLY_GUARD is 0. */
+int kelly_block_untouched(const kelly_block *block);
 
 /* sin(w0 t) of a lane now. */
 real kelly_block_sine(const kelly_block *block, unsigned lane);

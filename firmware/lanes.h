@@ -20,6 +20,11 @@
 #endif
 #define KELLY_LANES (KELLY_WIDTH * KELLY_VECTORS)
 
+/* Whether the state is guarded from step to step (seal.h): by default where one lane is all, on machines whose memory has nothing else. */
+#ifndef KELLY_GUARD
+#define KELLY_GUARD (KELLY_WIDTH == 1)
+#endif
+
 /* with(1) .. with(KELLY_VECTORS): a case of a switch for each number of vectors in use, 8 at the most. */
 #define KELLY_UP_TO_1(with) with(1)
 #define KELLY_UP_TO_2(with) KELLY_UP_TO_1(with) with(2)
@@ -33,14 +38,33 @@
 #define KELLY_UP_TO_ALL(n, with) KELLY_UP_TO(n, with)
 #define KELLY_EACH_COUNT(with) KELLY_UP_TO_ALL(KELLY_VECTORS, with)
 
-/* Vectors wider than the registers may only go through inlined functions: no calling convention is settled for them. */
+/* Vectors wider than the registers may only go through inlined functions: no calling convention is settled for them. What several
+ * places share has one copy a file where one lane is all, and flash is short. */
 #define KELLY_INLINE static inline __attribute__((always_inline))
+#if KELLY_WIDTH == 1
+#define KELLY_SHARED static __attribute__((noinline, unused))
+#else
+#define KELLY_SHARED KELLY_INLINE
+#endif
+
+/* The same for what takes a few instructions inline, or a call and some forty where numbers are no floats of the processor's. */
+#if defined(__SOFTFP__) || defined(__riscv_float_abi_soft)
+#define KELLY_SHORT KELLY_SHARED
+#else
+#define KELLY_SHORT KELLY_INLINE
+#endif
 
 #if KELLY_WIDTH == 1
 
 typedef real vreal;
+#ifdef KELLY_DOUBLE
+typedef uint64_t vbits;
+#else
+typedef uint32_t vbits;
+#endif
 #define LANE(v, l) ((&(v))[l])          /* l is 0 */
 
+KELLY_INLINE vbits vbits_of(vreal x) { return (union { vreal value; vbits bits; }){ .value = x }.bits; }
 KELLY_INLINE vreal vsplat(real x) { return x; }
 KELLY_INLINE vreal vmin(vreal a, vreal b) { return a < b ? a : b; }
 KELLY_INLINE vreal vmax(vreal a, vreal b) { return a > b ? a : b; }
@@ -58,7 +82,10 @@ typedef int32_t kelly_word;
 #endif
 typedef real vreal __attribute__((vector_size(KELLY_VECTOR_BYTES)));
 typedef kelly_word vmask __attribute__((vector_size(KELLY_VECTOR_BYTES)));
+typedef vmask vbits;
 #define LANE(v, l) ((v)[l])
+
+KELLY_INLINE vbits vbits_of(vreal x) { return (vbits)x; }
 
 KELLY_INLINE vreal vsplat(real x) { return x - (vreal){0}; }      /* exact for every x, -0 included */
 
@@ -86,6 +113,23 @@ KELLY_INLINE vreal vmax(vreal a, vreal b) { return (vreal)KELLY_X86(max_ps)(a, b
 #endif
 #endif
 
+#endif
+
+KELLY_INLINE int vsame(vbits a, vbits b)
+{
+    for (unsigned l = 0; l < KELLY_WIDTH; l++) {
+        if (LANE(a, l) != LANE(b, l)) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Into a guard go the bits of what is read and of what takes its place. */
+#if KELLY_GUARD
+KELLY_INLINE void vguard(vbits *guard, vbits bits) { *guard = *guard ^ bits; }
+#else
+KELLY_INLINE void vguard(vbits *guard, vbits bits) { (void)guard, (void)bits; }
 #endif
 
 /* x held within -limit .. limit. One lane asks the usual question first: it is seldom beyond. */

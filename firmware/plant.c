@@ -16,9 +16,16 @@ static uint32_t seal_of(const kelly_plant *plant)
 
     seal = KELLY_SEAL_MEMBERS(seal, plant, kelly_plant, draw, draw);
     seal = KELLY_SEAL_MEMBERS(seal, plant, kelly_plant, weight, gain);
+    seal = kelly_axial_seal(seal, &plant->axial);
     seal = kelly_seal(seal, plant->modes.w2, modes);
     seal = kelly_seal(seal, plant->modes.b, modes);
     return kelly_seal(seal, plant->modes.d, modes);
+}
+
+/* Whether torsion and axial motion are as the last step left them. */
+static int untouched(const kelly_plant *plant)
+{
+    return (plant->varies ? kelly_driven_untouched(&plant->driven) : kelly_block_untouched(&plant->block)) && kelly_axial_untouched(&plant->axial);
 }
 
 static int counts_ticks(const kelly_plant *plant)
@@ -224,7 +231,7 @@ int kelly_plant_sane(const kelly_plant *plant)
 {
     const real axial = kelly_axial_speed(&plant->axial);
 
-    if (plant->changed || !counts_ticks(plant)) {         /* its counts may lead anywhere */
+    if (plant->changed || !counts_ticks(plant) || !untouched(plant)) {         /* its counts may lead anywhere */
         return 0;
     }
     return (plant->varies ? kelly_driven_sane(&plant->driven, 0) : kelly_block_sane(&plant->block, 0)) && axial > -SANE_AXIAL && axial < SANE_AXIAL;

@@ -10,17 +10,31 @@ typedef struct {
     vreal half, t2, t3, t4;
 } stages;
 
+/* Over what a lane holds from one step to the next: its share of the guard. */
+KELLY_SHORT vbits held(const kelly_lane *on)
+{
+    return vbits_of(on->wave) ^ vbits_of(on->dwave) ^ vbits_of(on->muf) ^ vbits_of(on->t1) ^ vbits_of(on->y1) ^ vbits_of(on->y2) ^
+           vbits_of(on->y3) ^ vbits_of(on->y4) ^ vbits_of(on->lowest) ^ vbits_of(on->highest);
+}
+
+/* Out of the guard goes what the lane has held, before it changes, and into it what it holds then. */
+KELLY_SHORT void guard(kelly_lane *on)
+{
+    vguard(&on->guard, held(on));
+}
+
 /* Torque at the present tick: the first stage of the step to come. */
 KELLY_INLINE void first_torque(kelly_lane *on)
 {
     on->t1 = kelly_bit_torque_folded(on->y1, on->muf, on->ratio, on->inverse);
 }
 
-/* Second stage, at half a step; takes the weight to the next tick. */
+/* Second stage, at half a step, where what the lane has held is read; takes the weight to the next tick. */
 KELLY_INLINE void second_torque(kelly_lane *on, stages *at)
 {
     const vreal wave = on->wave + on->dwave;
 
+    guard(on);
     at->half = vmin(on->muf_mean + (on->wave + wave) * on->wave_half, vsplat(0));
     on->muf = vmin(on->muf_mean + wave, vsplat(0));
     on->dwave = on->dwave - on->wave_k * wave;

@@ -56,7 +56,16 @@ void flip_any(void *of);                            /* a bit of any of them */
 /* A bit somewhere in the places that `add_places` gives, at any instant of a block under way. */
 void flips_in_block(tally *t, void (*add_places)(int soft), int soft, uint32_t flips);
 
+/* The outcome of a child that ends with _exit(OF_OURS + outcome): WRONG where something else has ended it. */
+#define OF_OURS 32
+unsigned outcome_of_child(int status);
+
+/* host_faults_instant.c */
+void flips_at_any_instant(tally *t, void (*add_places)(int soft), int soft, uint32_t flips);
+
 /* host_faults_state.c */
+void motion_places(int soft);
+void state_places(int soft);
 void flips_in_state(tally *t, int soft, uint32_t flips);
 void numbers_in_state(tally *far, tally *small, int soft, unsigned every);
 void numbers_in_draws(int soft);
@@ -68,6 +77,6 @@ void flips_in_plant(int top);                       /* stiff, soft or commanded:
 void flips_in_table(tally *t, uint32_t flips);
 void flips_in_coefficients(tally *t, int soft, uint32_t flips);
 void flips_in_counts(tally *t, int soft);
-uint32_t steps_until_told(int soft, uint32_t flips);
+uint32_t steps_until_told(int soft, uint32_t flips);         /* in the state, too, where it is guarded */
 
 #endif

@@ -32,7 +32,6 @@ static void stiff_places(void)
             add_vectors(b->full ? &b->mode[v][i].xi : &b->slow[v][i].v, 2);
         }
     }
-    add_site(&b->tick, sizeof(b->tick));
 }
 
 static void soft_places(void)
@@ -53,27 +52,33 @@ static void soft_places(void)
     for (unsigned l = 0; l < lanes; l++) {
         add_site(&d->phase[l], sizeof(d->phase[l]));
     }
-    add_site(&d->tick, sizeof(d->tick));
 }
 
-/* The state of the string or drive, and the block's own books. */
-static void add_places(int soft)
+/* The state of the string or drive. */
+void motion_places(int soft)
 {
     if (soft) {
         soft_places();
     } else {
         stiff_places();
     }
+}
+
+/* And the block's own books. */
+void state_places(int soft)
+{
+    motion_places(soft);
     for (unsigned l = 0; l < lanes; l++) {
         add_site(&results[l].mean, sizeof(real));
     }
+    add_site(soft ? &work.driven.tick : &work.block.tick, sizeof(work.tick));
     add_site(&work.tick, sizeof(work.tick));
     add_site(&work.seal, sizeof(work.seal));
 }
 
 void flips_in_state(tally *t, int soft, uint32_t flips)
 {
-    flips_in_block(t, add_places, soft, flips);
+    flips_in_block(t, state_places, soft, flips);
 }
 
 static void put_number(void *of)
@@ -92,12 +97,12 @@ void numbers_in_state(tally *far, tally *small, int soft, unsigned every)
     static const uint32_t when[] = { 1000, TICKS - 3000 };
 
     site_count = 0;
-    add_places(soft);
+    state_places(soft);
     for (uint32_t s = 0; s < site_count; s += every) {
         for (uint32_t k = 0; sites[s].bytes == sizeof(real) && k < 2 * BAD; k++) {
             run = base;
             site_count = 0;
-            add_places(soft);
+            state_places(soft);
             run_struck(&kelly_string, when[k / BAD], put_number, (uint32_t[2]){ s, k % BAD });
             add_outcome(k % BAD < 5 ? far : small);
         }
@@ -219,6 +224,23 @@ static void start_plant(int top)
     kelly_plant_advance(&plant, 1000);
 }
 
+static void plant_state(int top)
+{
+    if (top == 0) {
+        add_site(&plant.block.lane[0].wave, SPAN(kelly_lane, wave, guard) * sizeof(real));
+        add_site(&plant.block.slow[0][3].v, 2 * sizeof(real));
+    } else {
+        add_site(&plant.driven.lane[0].eta, SPAN(kelly_driven_lane, eta, cosine) * sizeof(real));
+        add_site(&plant.driven.lane[0].speed, SPAN(kelly_driven_lane, speed, guard) * sizeof(real));
+        add_site(plant.driven.lane[0].y.at, 4 * sizeof(real));
+        add_site(plant.driven.lane[0].p.at, 4 * sizeof(real));
+        add_site(&plant.driven.mode[0][3].v, 2 * sizeof(real));
+        add_site(&plant.driven.phase[0], 8);
+    }
+    add_site(plant.axial.p, 2 * sizeof(real));
+    add_site(plant.axial.v, 2 * sizeof(real));
+}
+
 static void plant_places(int top)
 {
     site_count = 0;
@@ -235,6 +257,13 @@ static void plant_places(int top)
         add_site(&plant.driven.lane[0].w_ref, SPAN(kelly_driven_lane, w_ref, counted) * sizeof(real));
         add_site(&plant.driven.mode[0][0].w, SPAN(kelly_driven_mode, w, d11) * sizeof(real));
     }
+    plant_state(top);
+    add_site(&plant.axial.h, sizeof(real));
+    add_site(&plant.axial.f0, sizeof(real));
+    add_site(&plant.axial.phase_step, 8);
+    add_site(&plant.axial.b[1], sizeof(real));
+    add_site(&plant.axial.c[1], sizeof(real));
+    add_site(&plant.axial.w2[1], sizeof(real));
     add_site(&plant.draw, sizeof(plant.draw));
     add_site(&plant.weight, sizeof(real));
     add_site(&plant.modes.w2[1], sizeof(real));
@@ -242,7 +271,7 @@ static void plant_places(int top)
     add_site(&plant.seal, 4);
 }
 
-/* Every bit of what must not change: the string is not sane by the next look, and without a flip it is. */
+/* Every third bit of the state and of what must not change: the string is not sane by the next look, and without a flip it is. */
 void flips_in_plant(int top)
 {
     start_plant(top);

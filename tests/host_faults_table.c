@@ -157,9 +157,13 @@ static void flip_this(void *of)
     flip(&sites[what[0]], what[1]);
 }
 
+unsigned outcome_of_child(int status)
+{
+    return WIFEXITED(status) && WEXITSTATUS(status) >= OF_OURS && WEXITSTATUS(status) < OF_OURS + OUTCOMES ? (unsigned)WEXITSTATUS(status) - OF_OURS : WRONG;
+}
+
 /* what: a site, a bit of it, a step. -> an outcome; WRONG where the child was stopped by a signal, its alarm against a loop without end
  * included, or by a sanitizer. */
-#define OF_OURS 32
 static unsigned in_child(uint32_t what[3])
 {
     int status = 0;
@@ -173,7 +177,7 @@ static unsigned in_child(uint32_t what[3])
     if (child < 0 || waitpid(child, &status, 0) != child) {
         exit(1);
     }
-    return WIFEXITED(status) && WEXITSTATUS(status) >= OF_OURS && WEXITSTATUS(status) < OF_OURS + OUTCOMES ? (unsigned)WEXITSTATUS(status) - OF_OURS : WRONG;
+    return outcome_of_child(status);
 }
 
 void flips_in_counts(tally *t, int soft)
@@ -212,9 +216,17 @@ static void flip_coefficient(void *of)
     flip_any(0);
 }
 
-/* Long blocks, struck anywhere, in turn in the table and elsewhere: -> the most steps that went by until the block stood still. */
+static void flip_state(void *of)
+{
+    site_count = 0;
+    motion_places(*(const int *)of);
+    flip_any(0);
+}
+
+/* Long blocks, struck anywhere, in turn in the table, in coefficients and, where it is guarded, in the state: -> the most steps that went by until the block stood still. */
 uint32_t steps_until_told(int soft, uint32_t flips)
 {
+    static void (*const strikes[])(void *) = { flip_table, flip_coefficient, flip_state };
     uint32_t most = 0;
 
     for (uint32_t i = 0; i < flips; i++) {
@@ -227,7 +239,7 @@ uint32_t steps_until_told(int soft, uint32_t flips)
         copy_table();
         kelly_run_begin(&copy, &run, 7, first, lanes, results, &work);
         (void)kelly_run_advance(&copy, &run, lanes, results, &work, at);
-        (i % 2 == 0 ? flip_table : flip_coefficient)(&soft);
+        strikes[i % (KELLY_GUARD ? 3 : 2)](&soft);
         left = kelly_run_advance(&copy, &run, lanes, results, &work, 4 * KELLY_LOOK);
         kelly_run_finish(&copy, &run, lanes, results, &work);
         EQUAL(left, 0);
