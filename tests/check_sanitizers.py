@@ -7,10 +7,11 @@ usage: tests/check_sanitizers.py [BUILD...]
                units of a release, each that this processor has; clang at -O0, where it is seconds on what it is minutes on at -O1
   clang        -fsanitize=thread
   valgrind     memcheck, uninitialised values included, with the vector units that it knows: up to AVX2
+  gcc          -DKELLY_GUARD=1: the state guarded in every vector unit (lanes.h), under the faults of host_faults.c
   gcc, clang   -O0, -O1, -O2, -O3, -Os, float and double by turns; gcc -m32 -msse2 -mfpmath=sse in both; clang -m32
 
-In each build: the unit tests at a board's sample sizes, the lanes of its vector units, every subcommand that runs on a host alone with each
-unit. Tests are as many in all builds of a precision, the digest and every CSV and NPY are those of the usual build. Then one fault for
+In each build: the unit tests at a board's sample sizes, those of the device program's parts and that program as a process, the lanes of its
+vector units, every subcommand that runs on a host alone with each unit; faults inside where memory is watched. Tests are as many in all builds of a precision, the digest and every CSV and NPY are those of the usual build. Then one fault for
 each tool is planted in a program of its own and has to be noticed. Last line `N passed, N failed`.
 """
 import concurrent.futures
@@ -22,7 +23,9 @@ import subprocess
 import sys
 import tempfile
 
+from check_board_coverage import ESTIMATES
 from check_digests import CASE, ROOT, digest_of, engines, sh
+from run_target import run as run_board
 
 SUITE = "address,undefined,float-cast-overflow,float-divide-by-zero"
 FATAL = "-g -fno-omit-frame-pointer -fno-sanitize-recover=all"
@@ -37,6 +40,7 @@ BUILDS = (
     ("address-clang", "clang", f"-O0 -fsanitize={SUITE} {FATAL}", "float", RELEASE, []),
     ("address-gcc", "gcc", f"-O1 -fsanitize={SUITE} {FATAL}", "double", RELEASE, []),
     ("valgrind", "gcc", "-O1 -g", "float", RELEASE, VALGRIND),
+    ("guarded", "gcc", "-O2 -DKELLY_GUARD=1", "float", RELEASE, []),
     ("thread", "clang", f"-O1 -fsanitize=thread {FATAL}", "float", PLAIN, []),
     ("m32-gcc-float", "gcc -m32", M32, "float", PLAIN, []),
     ("m32-gcc-double", "gcc -m32", M32, "double", PLAIN, []),
@@ -96,26 +100,37 @@ def files_of(folder):
 
 
 def wanted(real):
-    """-> digest and files of the usual build."""
+    """-> digest, files and device program's lines of the usual build."""
+    sh(["make", "-s", os.path.relpath(os.path.join(os.path.dirname(usual(real)), "device"), ROOT), f"REAL={real}"])
     with tempfile.TemporaryDirectory() as folder:
         for line in command_lines("scalar"):
             run([usual(real), *line], folder)
-        return digest_of(sh([usual(real), "montecarlo", *CASE])), files_of(folder)
+        return digest_of(sh([usual(real), "montecarlo", *CASE])), files_of(folder), estimates(os.path.dirname(usual(real)), [])
+
+
+def estimates(out, runner):
+    """What the device program says to each line, and its status, without a time."""
+    said = {line: run_board([*runner, os.path.join(out, "device")], [line], timeout=300) for line in ESTIMATES}
+    return {line: (status, re.sub(rb"per step .*|stack .*", b"", text)) for line, (status, text) in said.items()}
 
 
 def of_tests(name, out, names, runner):
     """-> claims about the test programs, how many unit tests there are."""
-    status, text = run([*runner, os.path.join(out, "unit")], out)
-    count = re.search(r"^([1-9]\d*) passed, 0 failed$", text, re.M)
-    status_of_lanes, said = run([*runner, os.path.join(out, "lanes")], out)
-    tried = re.findall(r"^(\w+), \d+ realisations a vector", said, re.M)
-    return [(status == 0 and count, f"{name}: unit: status {status}: {text.strip()[-600:]}"),
-            (status_of_lanes == 0 and re.search(r"^[1-9]\d* passed, 0 failed$", said, re.M), f"{name}: lanes: status {status_of_lanes}: {said.strip()[-600:]}"),
-            (tried == names, f"{name}: lanes tries {tried}, not {names}")], count and int(count[1])
+    told, said, count = [], {}, {}
+    for program in ("unit", "app-unit", "lanes", *faults_of(name)):
+        status, said[program] = run([*runner, os.path.join(out, program), *(["400"] if "faults" in program else [])], out)
+        count[program] = re.search(r"^([1-9]\d*) passed, 0 failed$", said[program], re.M)
+        told.append((status == 0 and count[program], f"{name}: {program}: status {status}: {said[program].strip()[-600:]}"))
+    tried = re.findall(r"^(\w+), \d+ realisations a vector", said["lanes"], re.M)
+    return [*told, (tried == names, f"{name}: lanes tries {tried}, not {names}")], count["unit"] and int(count["unit"][1])
+
+
+def faults_of(name):
+    return {"address-clang": ["faults"], "address-gcc": ["faults"], "guarded": ["faults", "faults-lanes"]}.get(name, [])
 
 
 def of_commands(name, kelly, engine, runner, want):
-    digest, files = want
+    digest, files, _ = want
     with tempfile.TemporaryDirectory() as folder:
         for line in command_lines(engine):
             status, text = run([*runner, kelly, *line], folder)
@@ -131,12 +146,14 @@ def claims(build, want):
     name, compiler, flags, real, vectors, runner = build
     out = f"build/sanitizers/{name}"
     built = sh(["make", "-s", f"CC={compiler}", f"CFLAGS={flags}", f"REAL={real}", f"dir={out}", "CHECK_LONG=0", *vectors,
-                *(f"{out}/{program}" for program in ("kelly", "unit", "lanes"))])
+                *(f"{out}/{program}" for program in ("kelly", "unit", "app-unit", "device", "lanes", *faults_of(name)))])
     if built.startswith("failed"):
         return [(False, f"{name}: {built}")], None
     out = os.path.join(ROOT, out)
     names = units(vectors, runner, real)
     found, tests = of_tests(name, out, names, runner)
+    said = estimates(out, runner)
+    found += [(said[line] == want[real][2][line], f"{name}: device: {line}: {said[line]}") for line in ESTIMATES]
     for engine in names:
         found += of_commands(name, os.path.join(out, "kelly"), engine, runner, want[real])
     return found, tests
@@ -183,7 +200,7 @@ def main():
         if not holds:
             print(what)
     bad = sum(not holds for holds, _ in results)
-    suite = f"unit, lanes, {len(command_lines('scalar'))} commands a vector unit"
+    suite = f"unit, app-unit, lanes, device program, {len(command_lines('scalar'))} commands a vector unit"
     print(f"figure: one suite ({suite}) under sanitizers, valgrind, -m32, -O0 to -O3, -Os, gcc and clang: {len(builds)} builds, {runs} claims, "
           f"{bad} complaints, other digests or other files")
     print(f"figure: faults planted for the sanitizers: {sum(bool(h) for h, _ in faults)} of {len(faults)} noticed")
