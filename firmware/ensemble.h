@@ -2,8 +2,9 @@
  *
  * Faults of the memory: the coefficients, the draws, the case and the number of steps are sealed (seal.h) when a block begins. Seal and
  * table (by its CRC) are looked at every KELLY_LOOK steps, before the window opens and when the block ends. Where one of them has
- * changed, the block goes no further and every realisation of it gets the status `corrupt`. A change of the state itself is found when
- * the block ends, if it left all bounds then or the weight strayed from its exact phase (integrator.h); for the rest, run twice and compare.
+ * changed, the block goes no further and every realisation of it gets the status `corrupt`. So for the state where it is guarded (seal.h).
+ * Where it is not, a change of it is found when the block ends, if it left all bounds then or the weight strayed from its exact phase
+ * (integrator.h); for the rest, run twice and compare.
  *
  * The drive is that of the case, stiff or soft. kelly_run fills results[] for indices first .. first + count - 1: the same bits for any lane count and any way of
  * cutting the range.

@@ -64,8 +64,8 @@ void kelly_plant_advance(kelly_plant *plant, uint32_t ticks);
 /* Look. Cost: about 12 operations a mode. */
 void kelly_plant_look(const kelly_plant *plant, kelly_sight *sight);
 
-/* Whether every state is a finite number of sane size, as many steps were made as were asked for, and no coefficient has changed in memory
- * by the last look: at every KELLY_LOOK steps (seal.h), a command and the end of its ramp. */
+/* Whether every state is a finite number of sane size and, bit by bit, what the last step left, as many steps were made as were asked for,
+ * and no coefficient has changed in memory by the last look: at every KELLY_LOOK steps (seal.h), a command and the end of its ramp. */
 int kelly_plant_sane(const kelly_plant *plant);
 
 /* The kelly_block_... of the same names, whatever the drive. The twist of a commanded top means nothing. */

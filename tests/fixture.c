@@ -32,6 +32,12 @@ uint64_t fixture_bits(real x)
 #endif
 }
 
+void fixture_put(real *at, vbits *guard, real value)
+{
+    *guard ^= vbits_of(*at) ^ vbits_of(value);
+    *at = value;
+}
+
 static int same(real a, real b)
 {
     return fixture_bits(a) == fixture_bits(b);

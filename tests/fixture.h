@@ -50,6 +50,9 @@ real fixture_endless(void);
 /* Bits of a real, to tell -0 from 0 and to compare exactly. */
 uint64_t fixture_bits(real x);
 
+/* A number put into a state as if a step had left it there: its guard knows of it. */
+void fixture_put(real *at, vbits *guard, real value);
+
 /* Whether two results are equal in every bit of every field. */
 int fixture_same(const kelly_result *a, const kelly_result *b);
 

@@ -17,7 +17,7 @@ void check_put(char c)
 /* In the order in which data flows: the first failure is the one to look at. */
 #define EACH(test) \
     test(detmath) test(random) test(seal) test(string_model) test(bitrock) test(severity) test(realisation) test(integrator) test(axial) \
-    test(plant) test(drive) test(energy) test(trajectories) test(ensemble) test(tally) test(envelope) test(sequence) test(sobol) test(reweight) \
+    test(plant) test(drive) test(guard) test(energy) test(trajectories) test(ensemble) test(tally) test(envelope) test(sequence) test(sobol) test(reweight) \
     test(rare_guide) test(rare_walk) test(rare) test(bits) test(frame) test(messages) test(wits)
 
 #ifdef TEST_ONLY

@@ -165,7 +165,7 @@ static void begins_nothing_of_a_changed_table(void)
 /* A run begun and advanced, its block spoilt by `spoil`, gives no result. The last one spoils nothing. */
 static void gives_up_what_has_changed(void)
 {
-    enum { ARRAYS, TICK, BLOCK_TICK, DRAW, CASE, NOTHING };
+    enum { ARRAYS, TICK, BLOCK_TICK, DRAW, CASE, STATE, TWIST, NOTHING };
     real w2[KELLY_MODES_MAX * (KELLY_DEGREE_MAX + 1)];
     kelly_table table = kelly_string;
 
@@ -181,6 +181,8 @@ static void gives_up_what_has_changed(void)
         fixture.ensemble.work.tick += spoil == TICK;
         fixture.ensemble.work.block.tick += spoil == BLOCK_TICK;
         results[0].draw.mu *= spoil == DRAW ? R(1.25) : R(1.0);
+        fixture.ensemble.work.block.lane[0].lowest += spoil == STATE ? R(0.5) : R(0.0);
+        results[0].mean += spoil == TWIST ? R(0.1) : R(0.0);
         run.limit += spoil == CASE ? R(0.1) : R(0.0);
         kelly_run_finish(&table, &run, 1, results, &fixture.ensemble.work);
         if (spoil == NOTHING) {

@@ -107,6 +107,15 @@ static void twists_by_what_the_bit_lags(real inertia)
     CLOSE((wide)kelly_plant_twist(plant) - before, turned, BY_REAL(1e-3, 1e-4));
 }
 
+/* As if a step had left it so. */
+static void put_axial_speed(real speed)
+{
+    kelly_axial *const axial = &plant->axial;
+
+    axial->v[0] = speed;
+    axial->seal = kelly_seal(kelly_seal(0, axial->p, axial->count * sizeof(real)), axial->v, axial->count * sizeof(real));
+}
+
 /* A state that is no number, or is too large for one, is not sane, wherever it is. */
 static void knows_the_insane(real inertia)
 {
@@ -118,14 +127,16 @@ static void knows_the_insane(real inertia)
     EQUAL(kelly_plant_start(plant, &kelly_string, &run, &draw), KELLY_OK);
     for (unsigned k = 0; k < sizeof(bad) / sizeof(bad[0]); k++) {
         CHECK(kelly_plant_sane(plant));
-        plant->axial.v[0] = bad[k] / plant->axial.b[0];
-        CHECK(!kelly_plant_sane(plant));
-        plant->axial.v[0] = 0;
+        put_axial_speed(bad[k] / plant->axial.b[0]);
+        CHECK(kelly_axial_untouched(&plant->axial) && !kelly_plant_sane(plant));
+        put_axial_speed(0);
     }
     if (inertia > 0) {
-        plant->driven.lane[0].phi = bad[0];
+        fixture_put(&plant->driven.lane[0].phi, &plant->driven.lane[0].guard, bad[0]);
+        CHECK(kelly_driven_untouched(&plant->driven));
     } else {
-        plant->block.lane[0].y1 = bad[0];
+        fixture_put(&plant->block.lane[0].y1, &plant->block.lane[0].guard, bad[0]);
+        CHECK(kelly_block_untouched(&plant->block));
     }
     CHECK(!kelly_plant_sane(plant));
 }

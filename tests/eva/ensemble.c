@@ -81,6 +81,8 @@ void kelly_driven_advance(kelly_driven *driven, uint32_t ticks) { driven->tick +
 void kelly_driven_watch(kelly_driven *driven) { (void)driven; }
 int kelly_driven_sane(const kelly_driven *driven, unsigned lane) { (void)driven, (void)lane; return Frama_C_interval(0, 1); }
 uint32_t kelly_driven_seal(const kelly_driven *driven) { (void)driven; return any_u32(); }
+int kelly_driven_untouched(const kelly_driven *driven) { (void)driven; return Frama_C_interval(0, 1); }
+int kelly_block_untouched(const kelly_block *block) { (void)block; return Frama_C_interval(0, 1); }
 
 real kelly_driven_twist(const kelly_driven *driven, unsigned lane, const kelly_modes *modes)
 {

@@ -11,9 +11,10 @@ uint64_t kelly_phase_step(real w, uint32_t step_ns);
 
 /* step.c has it, for the weights of the torque that this would need slices for. */
 /*@ requires \valid(block);
-    assigns block->lane[0].wave, block->lane[0].dwave, block->lane[0].muf, block->lane[0].t1 \from block->tick, block->phase_step[0];
+    assigns block->lane[0].wave, block->lane[0].dwave, block->lane[0].muf, block->lane[0].t1, block->lane[0].guard \from block->tick, block->phase_step[0];
     ensures \is_finite(block->lane[0].wave) && -2e12 <= block->lane[0].wave <= 2e12;
-    ensures \is_finite(block->lane[0].dwave) && -4e12 <= block->lane[0].dwave <= 4e12; */
+    ensures \is_finite(block->lane[0].dwave) && -4e12 <= block->lane[0].dwave <= 4e12;
+    ensures \is_finite(block->lane[0].muf) && \is_finite(block->lane[0].t1); */
 void kelly_block_resync(kelly_block *block, unsigned lane);
 
 static kelly_case run;

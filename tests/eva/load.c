@@ -30,6 +30,7 @@ static void stiff(void)
     kelly_block_modal(&block, 0, &modes, &kelly_string, q, v);
     (void)kelly_block_twist(&block, 0, &modes);
     (void)kelly_block_seal(&block);
+    (void)kelly_block_untouched(&block);
 }
 
 /* One form of the modes after the other. */
@@ -70,6 +71,7 @@ static void soft(void)
     kelly_driven_modal(&driven, 0, &modes, q, v);
     (void)kelly_driven_twist(&driven, 0, &modes);
     (void)kelly_driven_seal(&driven);
+    (void)kelly_driven_untouched(&driven);
     (void)kelly_driven_top_speed(&driven, 0);
     (void)kelly_driven_top_torque(&driven, 0, any_real(R(-1e14), R(1e14)));
 }

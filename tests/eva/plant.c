@@ -75,6 +75,8 @@ uint32_t kelly_seal(uint32_t seal, const void *from, size_t bytes)
 }
 
 uint32_t kelly_driven_seal(const kelly_driven *driven) { (void)driven; return any_u32(); }
+int kelly_driven_untouched(const kelly_driven *driven) { (void)driven; return Frama_C_interval(0, 1); }
+int kelly_block_untouched(const kelly_block *block) { (void)block; return Frama_C_interval(0, 1); }
 uint32_t kelly_block_seal(const kelly_block *block) { (void)block; return any_u32(); }
 void kelly_driven_ramp(kelly_driven *driven, unsigned lane, real slope) { (void)driven, (void)lane, (void)slope; }
 void kelly_driven_adjust(kelly_driven *driven, unsigned lane, real top_speed) { (void)driven, (void)lane, (void)top_speed; }

@@ -114,6 +114,7 @@ static void at_exact_phase(void)
     kelly_block_resync(&block, 0);
     //@ assert \is_finite(block.lane[0].wave) && -2e12 <= block.lane[0].wave <= 2e12;
     //@ assert \is_finite(block.lane[0].dwave) && -4e12 <= block.lane[0].dwave <= 4e12;
+    //@ assert \is_finite(block.lane[0].muf) && \is_finite(block.lane[0].t1);
 }
 
 int main(void)
