@@ -3,15 +3,10 @@
 #include "detmath.h"
 #include "seal.h"
 
-/* Modes in use; none beyond the arrays, where a fault has changed their number. */
-static unsigned count_of(const kelly_axial *axial)
-{
-    return axial->count < KELLY_MODES_MAX ? axial->count : KELLY_MODES_MAX;
-}
-
+/* Of the modes in use, and of none beyond, where a fault has changed their number. */
 static size_t bytes_of(const kelly_axial *axial)
 {
-    return count_of(axial) * sizeof(real);
+    return (axial->count < KELLY_MODES_MAX ? axial->count : KELLY_MODES_MAX) * sizeof(real);
 }
 
 /* Of the state. */
@@ -89,8 +84,10 @@ void kelly_axial_push(kelly_axial *axial, const real f[4])
 {
     const real h = axial->h, half = R(0.5) * h;
 
-    axial->touched |= (uint8_t)!kelly_axial_untouched(axial);
-    for (unsigned j = 0; j < count_of(axial); j++) {
+    if (!kelly_axial_untouched(axial)) {
+        axial->touched = 1;
+    }
+    for (unsigned j = 0; j < axial->count && j < KELLY_MODES_MAX; j++) {
         const real p = axial->p[j], v = axial->v[j];
         const real a1 = acceleration(axial, j, f[0], p, v), v2 = v + half * a1;
         const real a2 = acceleration(axial, j, f[1], p + half * v, v2), v3 = v + half * a2;
@@ -116,7 +113,7 @@ real kelly_axial_speed(const kelly_axial *axial)
 {
     real speed = 0;
 
-    for (unsigned j = 0; j < count_of(axial); j++) {
+    for (unsigned j = 0; j < axial->count && j < KELLY_MODES_MAX; j++) {
         speed += axial->b[j] * axial->v[j];
     }
     return speed;

@@ -288,7 +288,7 @@ void kelly_block_modal(const kelly_block *block, unsigned lane, const kelly_mode
 {
     const real w0 = LANE(block->lane[lane / KELLY_WIDTH].w0, lane % KELLY_WIDTH);
 
-    for (unsigned i = 0; i < modes->count; i++) {
+    for (unsigned i = 0; i < modes->count && i < KELLY_MODES_MAX; i++) {
         real shifted, speed;
 
         scaled_state(block, lane, i, modes->w2[i], &shifted, &speed);
@@ -301,7 +301,7 @@ real kelly_block_twist(const kelly_block *block, unsigned lane, const kelly_mode
 {
     real twist = 0;
 
-    for (unsigned i = 0; i < modes->count; i++) {
+    for (unsigned i = 0; i < modes->count && i < KELLY_MODES_MAX; i++) {
         real shifted, speed;
 
         scaled_state(block, lane, i, modes->w2[i], &shifted, &speed);
@@ -351,7 +351,7 @@ int kelly_block_sane(const kelly_block *block, unsigned lane)
                within(LANE(lane_now->lowest, l), SANE_SPEED) && within(LANE(lane_now->highest, l), SANE_SPEED) &&
                within(LANE(lane_now->y1, l), SANE_SPEED);
 
-    for (unsigned i = 0; i < block->modes; i++) {
+    for (unsigned i = 0; i < block->modes && i < KELLY_MODES_MAX; i++) {
         const vreal *const state = state_of(block, v, i);
 
         good = good && within(LANE(state[0], l), SANE) && within(LANE(state[1], l), SANE);

@@ -201,17 +201,17 @@ KELLY_INLINE void finish(kelly_driven_lane *on, kelly_driven_mode *mode, unsigne
 {
     const impulses t = impulses_of(s[0].t, s[1].t, s[2].t, s[3].t, h), u = impulses_of(s[0].u, s[1].u, s[2].u, s[3].u, h);
     sums sum = { .y0 = vsplat(0) };
-    vbits guard = on->guard;
+    vbits changed = on->guard;
 
     for (unsigned i = 0; i < modes; i++) {
         kelly_driven_mode now = mode[i];
 
-        move(&now, &t, &u, &guard);
+        move(&now, &t, &u, &changed);
         mode[i].v = now.v;
         mode[i].x = now.x;
         add_outputs(&sum, &now);
     }
-    on->guard = guard;
+    on->guard = changed;
     move_top(on, s, h);
     look_ahead(on, &sum, be);
     on->lowest = vmin(on->speed, on->lowest);

@@ -223,7 +223,7 @@ void kelly_driven_modal(const kelly_driven *driven, unsigned lane, const kelly_m
     const unsigned l = lane % KELLY_WIDTH;
     const real drag = driven->alpha * LANE(driven->lane[lane / KELLY_WIDTH].w_ref, l);
 
-    for (unsigned i = 0; i < modes->count; i++) {
+    for (unsigned i = 0; i < modes->count && i < KELLY_MODES_MAX; i++) {
         const kelly_driven_mode *const mode = &driven->mode[lane / KELLY_WIDTH][i];
 
         q[i] = modes->b[i] * (driven->h * LANE(mode->x, l)) - drag * modes->d[i] / modes->w2[i];
@@ -236,7 +236,7 @@ real kelly_driven_twist(const kelly_driven *driven, unsigned lane, const kelly_m
     const unsigned l = lane % KELLY_WIDTH;
     real twist = LANE(driven->lane[lane / KELLY_WIDTH].phi, l);
 
-    for (unsigned i = 0; i < modes->count; i++) {
+    for (unsigned i = 0; i < modes->count && i < KELLY_MODES_MAX; i++) {
         const kelly_driven_mode *const mode = &driven->mode[lane / KELLY_WIDTH][i];
 
         twist += LANE(mode->g, l) * (driven->h * LANE(mode->x, l));
@@ -257,7 +257,7 @@ int kelly_driven_sane(const kelly_driven *driven, unsigned lane)
                within(LANE(on->lowest, l), SANE_SPEED) && within(LANE(on->highest, l), SANE_SPEED) &&
                within(LANE(on->speed, l), SANE_SPEED) && within(LANE(on->eta, l), SANE_SPEED) && within(LANE(on->phi, l), SANE_SPEED);
 
-    for (unsigned i = 0; i < driven->modes; i++) {
+    for (unsigned i = 0; i < driven->modes && i < KELLY_MODES_MAX; i++) {
         good = good && within(LANE(driven->mode[v][i].v, l), SANE) && within(LANE(driven->mode[v][i].x, l), SANE);
     }
     return good;

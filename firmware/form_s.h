@@ -90,13 +90,13 @@ KELLY_INLINE void finish_s(kelly_lane *on, kelly_slow_mode *mode, unsigned modes
 {
     const inputs_s in = inputs_of_s(on, at, al, be);
     const kelly_slow_mode *const end = mode + modes;
-    vbits guard = on->guard;
-    sums_s sum = next_s(&mode, &in, &guard);
+    vbits changed = on->guard;
+    sums_s sum = next_s(&mode, &in, &changed);
 
     while (mode < end) {
-        add_s(&sum, next_s(&mode, &in, &guard));
+        add_s(&sum, next_s(&mode, &in, &changed));
     }
-    on->guard = guard;
+    on->guard = changed;
     stage_speeds_s(on, &sum, al, be);
 }
 

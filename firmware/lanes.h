@@ -64,7 +64,9 @@ typedef uint32_t vbits;
 #endif
 #define LANE(v, l) ((&(v))[l])          /* l is 0 */
 
-KELLY_INLINE vbits vbits_of(vreal x) { return (union { vreal value; vbits bits; }){ .value = x }.bits; }
+typedef union { vreal value; vbits bits; } vword;
+
+KELLY_INLINE vbits vbits_of(vreal x) { return (vword){ .value = x }.bits; }
 KELLY_INLINE vreal vsplat(real x) { return x; }
 KELLY_INLINE vreal vmin(vreal a, vreal b) { return a < b ? a : b; }
 KELLY_INLINE vreal vmax(vreal a, vreal b) { return a > b ? a : b; }

@@ -204,7 +204,7 @@ static real surface_torque(const kelly_plant *plant, real bit_torque)
     real q[KELLY_MODES_MAX], v[KELLY_MODES_MAX], torque = table->inertia * drag - bit_torque;
 
     kelly_block_modal(&plant->block, 0, &plant->modes, table, q, v);
-    for (unsigned i = 0; i < plant->modes.count; i++) {
+    for (unsigned i = 0; i < plant->modes.count && i < KELLY_MODES_MAX; i++) {
         const real w2 = plant->modes.w2[i], d = plant->modes.d[i];
 
         torque += d * (plant->modes.b[i] * bit_torque - d * drag - w2 * (table->beta * v[i] + q[i]));

@@ -105,7 +105,7 @@ static void soften(const kelly_table *table, const kelly_drive *drive, const kel
     const real turn = 2 * KELLY_PI * drive->hz;
     real rest = R(1.0), d2 = 0, rotor;
 
-    for (unsigned i = 0; i < modes->count; i++) {
+    for (unsigned i = 0; i < modes->count && i < KELLY_MODES_MAX; i++) {
         rest = rest - modes->d[i] * modes->b[i];
         d2 = d2 + modes->d[i] * modes->d[i];
     }
@@ -121,7 +121,7 @@ static void shares(const kelly_modes *modes, real *sum_g, real *top)
 {
     *sum_g = 0;
     *top = 0;
-    for (unsigned i = 0; i < modes->count; i++) {
+    for (unsigned i = 0; i < modes->count && i < KELLY_MODES_MAX; i++) {
         *sum_g = *sum_g + modes->b[i] * modes->b[i];
         *top = modes->w2[i] > *top ? modes->w2[i] : *top;
     }

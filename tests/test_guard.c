@@ -134,6 +134,20 @@ static void sees_the_phase(void)
 
 /* ---- counts, coefficients ------------------------------------------------------------------------------------------- */
 
+/* Whatever is asked before the next look stays within the arrays. */
+static void asks_everything(void)
+{
+    real q[KELLY_MODES_MAX + 1] = { 0 }, v[KELLY_MODES_MAX + 1] = { 0 };
+    kelly_sight sight;
+
+    q[KELLY_MODES_MAX] = v[KELLY_MODES_MAX] = R(3.0);
+    kelly_plant_look(plant, &sight);
+    kelly_plant_modal(plant, q, v);
+    (void)kelly_plant_twist(plant);
+    (void)kelly_plant_allows(plant, R(8.0), R(1e5));
+    CHECK(q[KELLY_MODES_MAX] == R(3.0) && v[KELLY_MODES_MAX] == R(3.0));
+}
+
 /* Counts that lead beyond the arrays are told, and nothing beyond is read. */
 static void counts_lead_nowhere(unsigned top)
 {
@@ -152,6 +166,7 @@ static void counts_lead_nowhere(unsigned top)
     CHECK(!kelly_plant_sane(plant));
     start(top);
     plant->modes.count = 1000;
+    asks_everything();
     kelly_plant_advance(plant, 1);
     CHECK(!kelly_plant_sane(plant));
 }
