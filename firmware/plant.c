@@ -8,12 +8,17 @@
 
 /* ---- what must not change ---- */
 
-/* Over what only a start, a command and the end of its ramp change. */
+/* Over what only a start, a command and the end of its ramp change: all that a string is advanced and looked at by. */
 static uint32_t seal_of(const kelly_plant *plant)
 {
     const size_t modes = (plant->modes.count < KELLY_MODES_MAX ? plant->modes.count : KELLY_MODES_MAX) * sizeof(real);
+    const uint32_t kinds = plant->varies | (uint32_t)plant->commanded << 8;
     uint32_t seal = plant->varies ? kelly_driven_seal(&plant->driven) : kelly_block_seal(&plant->block);
 
+    seal = KELLY_SEAL_MEMBERS(seal, plant->table, kelly_table, alpha, inertia);
+    seal = KELLY_SEAL_MEMBERS(seal, &plant->run, kelly_case, f0, f0);
+    seal = KELLY_SEAL_MEMBERS(seal, &plant->run, kelly_case, step_ns, step_ns);
+    seal = kelly_seal(seal, &kinds, sizeof(kinds));
     seal = KELLY_SEAL_MEMBERS(seal, plant, kelly_plant, draw, draw);
     seal = KELLY_SEAL_MEMBERS(seal, plant, kelly_plant, weight, gain);
     seal = kelly_axial_seal(seal, &plant->axial);
@@ -30,7 +35,7 @@ static int untouched(const kelly_plant *plant)
 
 static int counts_ticks(const kelly_plant *plant)
 {
-    return plant->tick == (plant->varies ? plant->driven.tick : plant->block.tick);
+    return plant->tick == (plant->varies ? plant->driven.tick : plant->block.tick) && plant->ramp == ~plant->ramp_inverse;
 }
 
 static void look(kelly_plant *plant)
@@ -41,6 +46,12 @@ static void look(kelly_plant *plant)
 }
 
 /* ---- starts ---- */
+
+static void put_ramp(kelly_plant *plant, uint32_t ticks)
+{
+    plant->ramp = ticks;
+    plant->ramp_inverse = ~ticks;
+}
 
 /* What every start begins with. `run` is that of the plant. */
 static kelly_status prepare(kelly_plant *plant, const kelly_table *table, const kelly_draw *draw)
@@ -55,7 +66,7 @@ static kelly_status prepare(kelly_plant *plant, const kelly_table *table, const 
     plant->weight = draw->fc;
     plant->target = draw->w0;
     plant->gain = 0;
-    plant->ramp = 0;
+    put_ramp(plant, 0);
     plant->tick = 0;
     plant->changed = 0;
     plant->commanded = 0;
@@ -127,7 +138,7 @@ void kelly_plant_command(kelly_plant *plant, real top_speed, real weight, uint32
     look(plant);
     plant->weight = weight;
     plant->target = top_speed;
-    plant->ramp = ticks;
+    put_ramp(plant, ticks);
     plant->gain = (top_speed - kelly_driven_top_speed(&plant->driven, 0)) / (real)ticks;
     kelly_driven_weigh(&plant->driven, 0, &plant->run, &plant->draw, weight);
     kelly_driven_ramp(&plant->driven, 0, plant->gain / kelly_step_seconds(&plant->run));
@@ -150,6 +161,7 @@ static void push_axial(kelly_plant *plant)
 static void follow_ramp(kelly_plant *plant)
 {
     plant->ramp--;
+    plant->ramp_inverse++;                 /* by itself, so that they part where one of them has changed */
     if (plant->ramp > 0) {
         kelly_driven_adjust(&plant->driven, 0, plant->target - plant->gain * (real)plant->ramp);
     } else {

@@ -25,6 +25,7 @@ typedef struct {
     real target;                 /* speed that the ramp ends at [rad/s] */
     real gain;                   /* of a tick of it [rad/s] */
     uint32_t ramp;               /* ticks that it still takes */
+    uint32_t ramp_inverse;       /* its bits inverted */
     uint8_t varies;              /* the top's speed: `driven` is in use */
     uint8_t commanded;
     uint8_t changed;             /* a look found another seal than that of the start or of the last command */

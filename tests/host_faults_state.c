@@ -262,6 +262,9 @@ static void plant_places(int top)
     add_site(&plant.draw, sizeof(plant.draw));
     add_site(&plant.weight, sizeof(real));
     add_site(&plant.modes.w2[1], sizeof(real));
+    add_site(&plant.run.f0, sizeof(real));
+    add_site(&plant.ramp, 4);
+    add_site(&plant.ramp_inverse, 4);
     add_site(&plant.tick, 4);
     add_site(&plant.seal, 4);
 }

@@ -171,6 +171,51 @@ static void counts_lead_nowhere(unsigned top)
     CHECK(!kelly_plant_sane(plant));
 }
 
+/* The ramp of a command, and what the string is kept in. */
+static void sees_the_ramp_and_the_kind(void)
+{
+    start(COMMANDED);
+    kelly_plant_command(plant, R(9.0), R(100000.0), 20);
+    kelly_plant_advance(plant, 3);
+    CHECK(kelly_plant_sane(plant));
+    plant->ramp ^= 1;
+    CHECK(!kelly_plant_sane(plant));
+    kelly_plant_advance(plant, 3);
+    CHECK(!kelly_plant_sane(plant));
+    start(COMMANDED);
+    plant->commanded = 0;
+    kelly_plant_advance(plant, 1);
+    CHECK(!kelly_plant_sane(plant));
+    start(STIFF);
+    plant->run.f0 += R(0.5);
+    kelly_plant_advance(plant, 1);
+    CHECK(!kelly_plant_sane(plant));
+    start(STIFF);
+    plant->run.step_ns += 1;
+    kelly_plant_advance(plant, 1);
+    CHECK(!kelly_plant_sane(plant));
+}
+
+/* What a string still asks of its table after its start. */
+static void sees_the_table_change(void)
+{
+    for (unsigned k = 0; k < 3; k++) {
+        kelly_table table = kelly_string;
+        real *const of[] = { &table.alpha, &table.beta, &table.inertia };
+
+        fixture_case(&run, 4000);
+        kelly_draw_nominal(&run, &draw);
+        EQUAL(kelly_plant_start(plant, &table, &run, &draw), KELLY_OK);
+        kelly_plant_advance(plant, 1);
+        CHECK(kelly_plant_sane(plant));
+        start(STIFF);
+        plant->table = &table;
+        flip(of[k], 0);
+        kelly_plant_advance(plant, 1);
+        CHECK(!kelly_plant_sane(plant));
+    }
+}
+
 static void seals_the_axial_coefficients(void)
 {
     kelly_axial *const axial = &plant->axial;
@@ -216,5 +261,7 @@ void test_guard(void)
         nothing_lawful_sets_it_off(top);
     }
     sees_the_phase();
+    sees_the_ramp_and_the_kind();
+    sees_the_table_change();
     seals_the_axial_coefficients();
 }
