@@ -226,9 +226,9 @@ void kelly_block_watch(kelly_block *block)
     for (unsigned v = 0; v < KELLY_VECTORS; v++) {
         kelly_lane *const on = &block->lane[v];
 
-        guard(on);
+        vguard(&on->guard, vbits_of(on->lowest) ^ vbits_of(on->highest));
         watch(on);
-        guard(on);
+        vguard(&on->guard, vbits_of(on->lowest) ^ vbits_of(on->highest));
     }
 }
 

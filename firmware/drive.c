@@ -88,10 +88,8 @@ KELLY_SHARED vreal echo(const kelly_output *o, unsigned k, const stage *s)
     return o->of_t[k] * s->t + o->of_u[k] * s->u;
 }
 
-/* The first stage, where what the lane has held is read. */
-KELLY_INLINE void first(kelly_driven_lane *on, stage *s, real alpha)
+KELLY_INLINE void first(const kelly_driven_lane *on, stage *s, real alpha)
 {
-    kelly_driven_guard(on);
     s->eta = on->eta;
     s->phi = on->phi;
     s->sine = on->sine;
@@ -206,9 +204,11 @@ KELLY_INLINE void finish(kelly_driven_lane *on, kelly_driven_mode *mode, unsigne
     for (unsigned i = 0; i < modes; i++) {
         kelly_driven_mode now = mode[i];
 
+        now.v = vread(&mode[i].v);
+        now.x = vread(&mode[i].x);
         move(&now, &t, &u, &changed);
-        mode[i].v = now.v;
-        mode[i].x = now.x;
+        vwrite(&mode[i].v, now.v);
+        vwrite(&mode[i].x, now.x);
         add_outputs(&sum, &now);
     }
     on->guard = changed;
@@ -216,36 +216,50 @@ KELLY_INLINE void finish(kelly_driven_lane *on, kelly_driven_mode *mode, unsigne
     look_ahead(on, &sum, be);
     on->lowest = vmin(on->speed, on->lowest);
     on->highest = vmax(on->speed, on->highest);
-    kelly_driven_guard(on);
 }
 
-/* Advance `vectors` vectors, a compile-time constant, stage by stage, as in integrator.c. */
+/* Advance `vectors` vectors, a compile-time constant, stage by stage, as in integrator.c; guarded, on copies that are
+ * read and written once a step. */
 KELLY_INLINE void steps(kelly_driven *driven, uint32_t ticks, const unsigned vectors)
 {
     const real h = driven->h, alpha = driven->alpha;
 
     for (; ticks > 0; ticks--) {
         stage at[KELLY_VECTORS][4];
+#if KELLY_GUARD
+        kelly_driven_lane on[KELLY_VECTORS];
 
         UNROLL
         for (unsigned v = 0; v < vectors; v++) {
-            first(&driven->lane[v], &at[v][0], alpha);
+            on[v] = *(const volatile kelly_driven_lane *)&driven->lane[v];
+            kelly_driven_guard(&on[v]);
+        }
+#else
+        kelly_driven_lane *const on = driven->lane;
+#endif
+        UNROLL
+        for (unsigned v = 0; v < vectors; v++) {
+            first(&on[v], &at[v][0], alpha);
         }
         UNROLL
         for (unsigned v = 0; v < vectors; v++) {
-            second(&driven->lane[v], at[v], h, alpha);
+            second(&on[v], at[v], h, alpha);
         }
         UNROLL
         for (unsigned v = 0; v < vectors; v++) {
-            third(&driven->lane[v], at[v], h, alpha);
+            third(&on[v], at[v], h, alpha);
         }
         UNROLL
         for (unsigned v = 0; v < vectors; v++) {
-            fourth(&driven->lane[v], at[v], h, alpha);
+            fourth(&on[v], at[v], h, alpha);
         }
         UNROLL
         for (unsigned v = 0; v < vectors; v++) {
-            finish(&driven->lane[v], driven->mode[v], driven->modes, at[v], h, driven->be);
+            finish(&on[v], driven->mode[v], driven->modes, at[v], h, driven->be);
+#if KELLY_GUARD
+            kelly_driven_guard(&on[v]);
+            *(volatile kelly_driven_lane *)&driven->lane[v] = on[v];
+#endif
         }
     }
 }
@@ -289,14 +303,14 @@ void kelly_driven_resync(kelly_driven *driven, unsigned lane)
     const unsigned l = lane % KELLY_WIDTH;
     const uint64_t phase = phase_of(driven, lane);
 
-    kelly_driven_guard(on);
+    vguard(&on->guard, vbits_of(on->sine) ^ vbits_of(on->cosine) ^ vbits_of(on->phi));
     LANE(on->sine, l) = kelly_sin_turn(phase);
     LANE(on->cosine, l) = kelly_sin_turn(phase + QUARTER_TURN);
     if (!(LANE(on->gain, l) > 0)) {
         kelly_driven_put_phase(driven, lane, phase);
         LANE(on->phi, l) = 0;
     }
-    kelly_driven_guard(on);
+    vguard(&on->guard, vbits_of(on->sine) ^ vbits_of(on->cosine) ^ vbits_of(on->phi));
 }
 
 /* Whether sine or cosine is further from that of theta_top than rounding leads. A NaN in them would not be seen otherwise. */

@@ -181,10 +181,10 @@ void kelly_driven_adjust(kelly_driven *driven, unsigned lane, real top_speed)
     kelly_driven_lane *const on = &driven->lane[lane / KELLY_WIDTH];
     const unsigned l = lane % KELLY_WIDTH;
 
-    kelly_driven_guard(on);
+    vguard(&on->guard, vbits_of(on->eta) ^ vbits_of(on->speed));
     LANE(on->eta, l) = top_speed - LANE(on->w_ref, l);
     LANE(on->speed, l) = (LANE(on->w_ref, l) + LANE(on->eta, l)) + LANE(on->y.at[0], l);
-    kelly_driven_guard(on);
+    vguard(&on->guard, vbits_of(on->eta) ^ vbits_of(on->speed));
 }
 
 void kelly_driven_hold(kelly_driven *driven, unsigned lane, real top_speed)
@@ -199,10 +199,10 @@ void kelly_driven_watch(kelly_driven *driven)
     for (unsigned v = 0; v < KELLY_VECTORS; v++) {
         kelly_driven_lane *const on = &driven->lane[v];
 
-        kelly_driven_guard(on);
+        vguard(&on->guard, vbits_of(on->lowest) ^ vbits_of(on->highest));
         on->lowest = on->speed;
         on->highest = on->speed;
-        kelly_driven_guard(on);
+        vguard(&on->guard, vbits_of(on->lowest) ^ vbits_of(on->highest));
     }
 }
 

@@ -36,13 +36,13 @@ KELLY_INLINE void add_m(sums_m *sum, sums_m one)
 KELLY_INLINE sums_m move_m(kelly_mode *mode, const inputs_m *in, vbits *guard)
 {
     kelly_mode now = *mode;
-    const vreal xi = now.xi, zeta = now.zeta;
+    const vreal xi = vread(&mode->xi), zeta = vread(&mode->zeta);
 
     now.xi = xi + ((now.d00 * xi + now.d01 * zeta) + (in->s0 + now.w4 * (in->e1 + now.w4 * in->e2)));
     now.zeta = zeta + ((now.d10 * xi + now.d11 * zeta) + (in->e4 + now.w4 * in->e3));
     vguard(guard, vbits_of(xi) ^ vbits_of(zeta) ^ vbits_of(now.xi) ^ vbits_of(now.zeta));
-    mode->xi = now.xi;
-    mode->zeta = now.zeta;
+    vwrite(&mode->xi, now.xi);
+    vwrite(&mode->zeta, now.zeta);
     return outputs_m(&now);
 }
 

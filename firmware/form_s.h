@@ -27,7 +27,12 @@ KELLY_INLINE kelly_slow_mode fetch(kelly_slow_mode **from)
 #else
 KELLY_INLINE kelly_slow_mode fetch(kelly_slow_mode **from)
 {
-    return *(*from)++;
+    kelly_slow_mode now = **from;
+
+    now.v = vread(&(*from)->v);
+    now.x = vread(&(*from)->x);
+    (*from)++;
+    return now;
 }
 #endif
 
@@ -55,8 +60,8 @@ KELLY_INLINE sums_s next_s(kelly_slow_mode **mode, const inputs_s *in, vbits *gu
     now.v = v + ((now.t * v - now.d * (x + in->f)) + in->p);
     now.x = x + ((v + now.v) + in->e);
     vguard(guard, vbits_of(v) ^ vbits_of(x) ^ vbits_of(now.v) ^ vbits_of(now.x));
-    (*mode)[-1].v = now.v;
-    (*mode)[-1].x = now.x;
+    vwrite(&(*mode)[-1].v, now.v);
+    vwrite(&(*mode)[-1].x, now.x);
     return outputs_s(&now);
 }
 

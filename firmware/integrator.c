@@ -19,16 +19,15 @@ KELLY_INLINE void watch(kelly_lane *on)
 }
 
 /* Everything of a step that follows the fourth torque of a vector, its first torque of the next step included. */
-KELLY_INLINE void finish(kelly_block *block, unsigned v, const stages *at, const int slow)
+KELLY_INLINE void finish(kelly_block *block, unsigned v, kelly_lane *on, const stages *at, const int slow)
 {
     if (slow) {
-        finish_s(&block->lane[v], block->slow[v], block->modes, at, block->al, block->be);
+        finish_s(on, block->slow[v], block->modes, at, block->al, block->be);
     } else {
-        finish_m(&block->lane[v], block->mode[v], block->modes, at, block->al, block->be);
+        finish_m(on, block->mode[v], block->modes, at, block->al, block->be);
     }
-    watch(&block->lane[v]);
-    first_torque(&block->lane[v]);
-    guard(&block->lane[v]);
+    watch(on);
+    first_torque(on);
 }
 
 /* The second, third or fourth torque of a vector. */
@@ -49,22 +48,36 @@ KELLY_INLINE void side_by_side(kelly_block *block, uint32_t ticks, const unsigne
     stages at[KELLY_VECTORS];
 
     for (; ticks > 0; ticks--) {
+#if KELLY_GUARD
+        kelly_lane on[KELLY_VECTORS];
+
+        UNROLL
+        for (unsigned v = 0; v < vectors; v++) {
+            take(&on[v], &block->lane[v]);
+        }
+#else
+        kelly_lane *const on = block->lane;
+#endif
         UNROLL
         for (unsigned stage = 2; stage <= 4; stage++) {
             UNROLL
             for (unsigned v = 0; v < vectors; v++) {
-                torque(&block->lane[v], &at[v], stage);
+                torque(&on[v], &at[v], stage);
             }
         }
         UNROLL
         for (unsigned v = 0; v < vectors; v++) {
-            finish(block, v, &at[v], slow);
+            finish(block, v, &on[v], &at[v], slow);
+#if KELLY_GUARD
+            put_back(&block->lane[v], &on[v]);
+#endif
         }
     }
 }
 
 /* The same for four and more. One torque is a chain of some 60 cycles and needs the one before it, so the vectors are at different
- * stages: while one is finished, the next three are one, two and three torques behind, and no chain waits for another. */
+ * stages: while one is finished, the next three are one, two and three torques behind, and no chain waits for another. A guard wants
+ * whole steps. */
 KELLY_INLINE void in_turns(kelly_block *block, uint32_t ticks, const unsigned vectors, const int slow)
 {
     stages at[KELLY_VECTORS];
@@ -79,7 +92,7 @@ KELLY_INLINE void in_turns(kelly_block *block, uint32_t ticks, const unsigned ve
     for (; ticks > 0; ticks--) {
         UNROLL
         for (unsigned v = 0; v < vectors; v++) {
-            finish(block, v, &at[v], slow);
+            finish(block, v, &block->lane[v], &at[v], slow);
             UNROLL
             for (unsigned lag = 1; lag <= 3; lag++) {
                 if (v + lag < vectors || ticks > 1) {      /* the last step starts no other */
@@ -93,7 +106,7 @@ KELLY_INLINE void in_turns(kelly_block *block, uint32_t ticks, const unsigned ve
 /* One loop for each number of vectors in use, so that the compiler can keep them all in flight. */
 static void advance(kelly_block *block, uint32_t ticks)
 {
-#define STEPS(n) ((n) < 4 ? side_by_side : in_turns)
+#define STEPS(n) ((n) < 4 || KELLY_GUARD ? side_by_side : in_turns)
 #define WITH(n) \
     case n: \
         if (ALWAYS_FULL || block->full) { \
@@ -111,6 +124,12 @@ static void advance(kelly_block *block, uint32_t ticks)
 #undef STEPS
 }
 
+/* Of what a resync changes. */
+KELLY_SHORT vbits weighed(const kelly_lane *on)
+{
+    return vbits_of(on->wave) ^ vbits_of(on->dwave) ^ vbits_of(on->muf) ^ vbits_of(on->t1);
+}
+
 /* The weight of a lane from its exact integer phase, and the torque that follows from it. */
 void kelly_block_resync(kelly_block *block, unsigned lane)
 {
@@ -120,12 +139,12 @@ void kelly_block_resync(kelly_block *block, unsigned lane)
     const real swing = LANE(out->muf_swing, l), wave = swing * kelly_sin_turn(phase);
     const real muf = LANE(out->muf_mean, l) + wave;
 
-    guard(out);
+    vguard(&out->guard, weighed(out));
     LANE(out->wave, l) = wave;
     LANE(out->dwave, l) = swing * (2 * kelly_sin_turn(phase + step / 2 + QUARTER_TURN) * kelly_sin_turn(step / 2));
     LANE(out->muf, l) = muf < 0 ? muf : 0;
     first_torque(out);
-    guard(out);
+    vguard(&out->guard, weighed(out));
 }
 
 void kelly_block_advance(kelly_block *block, uint32_t ticks)

@@ -127,11 +127,16 @@ KELLY_INLINE int vsame(vbits a, vbits b)
     return 1;
 }
 
-/* Into a guard go the bits of what is read and of what takes its place. */
+/* Into a guard go the bits of what is read and of what takes its place. Memory is read once and written once, so that these are the
+ * numbers which are computed with, and no copy of them or a second look. */
 #if KELLY_GUARD
 KELLY_INLINE void vguard(vbits *guard, vbits bits) { *guard = *guard ^ bits; }
+KELLY_INLINE vreal vread(const vreal *at) { return *(const volatile vreal *)at; }
+KELLY_INLINE void vwrite(vreal *at, vreal x) { *(volatile vreal *)at = x; }
 #else
 KELLY_INLINE void vguard(vbits *guard, vbits bits) { (void)guard, (void)bits; }
+KELLY_INLINE vreal vread(const vreal *at) { return *at; }
+KELLY_INLINE void vwrite(vreal *at, vreal x) { *at = x; }
 #endif
 
 /* x held within -limit .. limit. One lane asks the usual question first: it is seldom beyond. */

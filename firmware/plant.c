@@ -40,7 +40,7 @@ static int counts_ticks(const kelly_plant *plant)
 
 static void look(kelly_plant *plant)
 {
-    if (seal_of(plant) != plant->seal) {
+    if (seal_of(plant) != plant->seal || plant->ramp != ~plant->ramp_inverse) {
         plant->changed = 1;
     }
 }

@@ -22,7 +22,7 @@ typedef enum {
     KELLY_STEP = 1,              /* the step is too long for its fastest rate, or too short for its slowest mode: not integrated */
     KELLY_RANGE = 2,             /* fc outside the fit of the table, or a parameter that is not in 0..1e30, 0 excluded: not integrated */
     KELLY_NONFINITE = 3,         /* the state left all bounds: integrated, not counted */
-    KELLY_CORRUPT = 4            /* a number that must not change did, in memory: not counted */
+    KELLY_CORRUPT = 4            /* a number changed in memory that no step has changed (seal.h): not counted */
 } kelly_status;
 
 #define KELLY_STATUSES 5

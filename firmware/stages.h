@@ -29,12 +29,47 @@ KELLY_INLINE void first_torque(kelly_lane *on)
     on->t1 = kelly_bit_torque_folded(on->y1, on->muf, on->ratio, on->inverse);
 }
 
-/* Second stage, at half a step, where what the lane has held is read; takes the weight to the next tick. */
+#if KELLY_GUARD
+/* A step works on a copy of the lane: what the lane has held is read once, and goes out of the guard. */
+KELLY_INLINE void take(kelly_lane *now, const kelly_lane *from)
+{
+    *now = *from;
+    now->wave = vread(&from->wave);
+    now->dwave = vread(&from->dwave);
+    now->muf = vread(&from->muf);
+    now->t1 = vread(&from->t1);
+    now->y1 = vread(&from->y1);
+    now->y2 = vread(&from->y2);
+    now->y3 = vread(&from->y3);
+    now->y4 = vread(&from->y4);
+    now->lowest = vread(&from->lowest);
+    now->highest = vread(&from->highest);
+    guard(now);
+}
+
+/* What it holds from now on goes into the guard, and back. */
+KELLY_INLINE void put_back(kelly_lane *to, kelly_lane *now)
+{
+    guard(now);
+    vwrite(&to->wave, now->wave);
+    vwrite(&to->dwave, now->dwave);
+    vwrite(&to->muf, now->muf);
+    vwrite(&to->t1, now->t1);
+    vwrite(&to->y1, now->y1);
+    vwrite(&to->y2, now->y2);
+    vwrite(&to->y3, now->y3);
+    vwrite(&to->y4, now->y4);
+    vwrite(&to->lowest, now->lowest);
+    vwrite(&to->highest, now->highest);
+    to->guard = now->guard;
+}
+#endif
+
+/* Second stage, at half a step; takes the weight to the next tick. */
 KELLY_INLINE void second_torque(kelly_lane *on, stages *at)
 {
     const vreal wave = on->wave + on->dwave;
 
-    guard(on);
     at->half = vmin(on->muf_mean + (on->wave + wave) * on->wave_half, vsplat(0));
     on->muf = vmin(on->muf_mean + wave, vsplat(0));
     on->dwave = on->dwave - on->wave_k * wave;

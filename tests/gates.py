@@ -59,6 +59,7 @@ GATES = {
     "vectors": ("test", 120, f"{PYTHON} tests/vectors/make_vectors.py --check"),
     "boards": ("test", 900, f"{PYTHON} tests/check_targets.py"),
     "images": ("test", 900, f"{PYTHON} tests/check_images.py"),
+    "struck-board": ("test", 600, f"{PYTHON} tests/check_struck_board.py"),
     "bench-device": ("test", 300, f"{PYTHON} tests/check_bench_device.py"),
     "bench": ("test", 400, f"{PYTHON} tests/check_bench.py"),
     "rebuilds": ("test", 300, f"{PYTHON} tests/check_rebuilds.py"),

@@ -12,8 +12,8 @@
  *   wrong      a silent wrong count
  *
  * Table and coefficients: nothing may be moved or wrong, no flip may end the program, and the block stands still within KELLY_LOOK steps.
- * So for the state where it is guarded (seal.h), which is the build of one lane; there a few strike at any instruction of a step, too, and
- * what becomes of them is a figure. In a vector unit a flipped bit of the state is a small push to the string, or to an extreme that has
+ * So for the state where it is guarded (seal.h), which is the build of one lane; there a few strike at any instruction of a step, too, where
+ * a word that is read no more may change without harm. In a vector unit a flipped bit of the state is a small push to the string, or to an extreme that has
  * been seen; how many are moved or wrong is a figure, and with engine_run's `twice` none may be.
  *
  * Here: how a fault is put in and judged, and all of them in order. host_faults_state.c: state and inputs; host_faults_table.c: table,
@@ -266,6 +266,7 @@ int main(int argc, char **argv)
     none_silent(coefficients.alone);
     EQUAL(counts.alone[DETECTED], counts.flips);
     none_silent(KELLY_GUARD ? state.alone : state.twice);
+    none_silent(instant.alone);
     none_silent(KELLY_GUARD ? far.alone : far.twice);
     none_silent(KELLY_GUARD ? small.alone : small.twice);
     EQUAL(KELLY_GUARD ? state.alone[DETECTED] : state.flips, state.flips);

@@ -109,7 +109,7 @@ static void keeps_what_it_saw(unsigned top, uint32_t steps)
     real *places[PLACES];
 
     start(top);
-    for (unsigned p = 0; p < all_places(top, places); p += BY_LENGTH(PLACES, 3)) {
+    for (unsigned p = 0; p < all_places(top, places); p += BY_LENGTH(11, 3)) {
         start(top);
         kelly_plant_advance(plant, KELLY_RESYNC - 2);
         CHECK(kelly_plant_sane(plant));
@@ -181,6 +181,8 @@ static void sees_the_ramp_and_the_kind(void)
     plant->ramp ^= 1;
     CHECK(!kelly_plant_sane(plant));
     kelly_plant_advance(plant, 3);
+    CHECK(!kelly_plant_sane(plant));
+    kelly_plant_command(plant, R(9.0), R(100000.0), 20);
     CHECK(!kelly_plant_sane(plant));
     start(COMMANDED);
     plant->commanded = 0;
