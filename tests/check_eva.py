@@ -93,6 +93,7 @@ WP = [("link/frame", "kelly_cobs", ""), ("app/out", "send_one,out_defer,out_pump
 # What the proofs take for granted, besides Frama-C itself.
 ASSUMED = [
     "one lane (KELLY_WIDTH 1), float, the committed table, x86-64 sizes; vectors are the same source and are compared with it bit by bit",
+    "memory holds what was written to it (lanes.h reads the guarded state as volatile: faults are struck, not proved)",
     "sqrtf is correctly rounded, __builtin_clzll counts as gcc says",
     "draws within what string_model.h says of mu (fc + f0), a1, a2, w0; h w0 within 2.8 rad a step (kelly_realise)",
     "a step starts from a state within bounds: stages up to 1e7 rad/s, and a lever h/2 (sum of b^2) that fits the weight as "

@@ -11,6 +11,7 @@
 #include <__fc_builtin.h>
 #include <math.h>
 
+#define volatile                        /* memory holds what was written to it: faults are struck, not proved */
 #define __builtin_fabsf(x) ((x) < 0 ? -(x) : (x))
 #define __builtin_fabs(x) ((x) < 0 ? -(x) : (x))
 #define __builtin_sqrtf sqrtf            /* correctly rounded, as the instruction is */
