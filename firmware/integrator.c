@@ -106,7 +106,11 @@ KELLY_INLINE void in_turns(kelly_block *block, uint32_t ticks, const unsigned ve
 /* One loop for each number of vectors in use, so that the compiler can keep them all in flight. */
 static void advance(kelly_block *block, uint32_t ticks)
 {
-#define STEPS(n) ((n) < 4 || KELLY_GUARD ? side_by_side : in_turns)
+#if KELLY_GUARD
+#define STEPS(n) side_by_side
+#else
+#define STEPS(n) ((n) < 4 ? side_by_side : in_turns)
+#endif
 #define WITH(n) \
     case n: \
         if (ALWAYS_FULL || block->full) { \
