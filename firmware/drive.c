@@ -199,7 +199,7 @@ KELLY_INLINE void finish(kelly_driven_lane *on, kelly_driven_mode *mode, unsigne
 {
     const impulses t = impulses_of(s[0].t, s[1].t, s[2].t, s[3].t, h), u = impulses_of(s[0].u, s[1].u, s[2].u, s[3].u, h);
     sums sum = { .y0 = vsplat(0) };
-    vbits changed = on->guard;
+    vbits changed = { 0 };
 
     for (unsigned i = 0; i < modes; i++) {
         kelly_driven_mode now = mode[i];
@@ -211,7 +211,7 @@ KELLY_INLINE void finish(kelly_driven_lane *on, kelly_driven_mode *mode, unsigne
         vwrite(&mode[i].x, now.x);
         add_outputs(&sum, &now);
     }
-    on->guard = changed;
+    vguard(&on->guard, changed);
     move_top(on, s, h);
     look_ahead(on, &sum, be);
     on->lowest = vmin(on->speed, on->lowest);

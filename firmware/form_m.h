@@ -76,13 +76,13 @@ KELLY_INLINE void finish_m(kelly_lane *on, kelly_mode *mode, unsigned modes, con
 {
     const inputs_m in = inputs_of_m(on, at, al, be);
     const kelly_mode *const end = mode + modes;
-    vbits changed = on->guard;
+    vbits changed = { 0 };
     sums_m sum = move_m(mode, &in, &changed);
 
     while (++mode < end) {
         add_m(&sum, move_m(mode, &in, &changed));
     }
-    on->guard = changed;
+    vguard(&on->guard, changed);
     stage_speeds_m(on, &sum, al, be);
 }
 

@@ -27,12 +27,9 @@ KELLY_INLINE kelly_slow_mode fetch(kelly_slow_mode **from)
 #else
 KELLY_INLINE kelly_slow_mode fetch(kelly_slow_mode **from)
 {
-    kelly_slow_mode now = **from;
+    const kelly_slow_mode *const mode = (*from)++;
 
-    now.v = vread(&(*from)->v);
-    now.x = vread(&(*from)->x);
-    (*from)++;
-    return now;
+    return (kelly_slow_mode){ mode->t, mode->d, mode->g, mode->m, mode->w4, vread(&mode->v), vread(&mode->x) };
 }
 #endif
 
@@ -95,13 +92,13 @@ KELLY_INLINE void finish_s(kelly_lane *on, kelly_slow_mode *mode, unsigned modes
 {
     const inputs_s in = inputs_of_s(on, at, al, be);
     const kelly_slow_mode *const end = mode + modes;
-    vbits changed = on->guard;
+    vbits changed = { 0 };
     sums_s sum = next_s(&mode, &in, &changed);
 
     while (mode < end) {
         add_s(&sum, next_s(&mode, &in, &changed));
     }
-    on->guard = changed;
+    vguard(&on->guard, changed);
     stage_speeds_s(on, &sum, al, be);
 }
 
