@@ -75,6 +75,7 @@ KELLY_INLINE void side_by_side(kelly_block *block, uint32_t ticks, const unsigne
     }
 }
 
+#if !KELLY_GUARD
 /* The same for four and more. One torque is a chain of some 60 cycles and needs the one before it, so the vectors are at different
  * stages: while one is finished, the next three are one, two and three torques behind, and no chain waits for another. A guard wants
  * whole steps. */
@@ -102,6 +103,7 @@ KELLY_INLINE void in_turns(kelly_block *block, uint32_t ticks, const unsigned ve
         }
     }
 }
+#endif
 
 /* One loop for each number of vectors in use, so that the compiler can keep them all in flight. */
 static void advance(kelly_block *block, uint32_t ticks)

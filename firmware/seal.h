@@ -7,7 +7,7 @@
  * Guard: over the state, the exclusive or of its bits. A step reads each number of the state once and writes it once, and what it has read and what it
  * writes goes into the guard: between two steps it is that of the state, and a bit that has flipped since a write stays in it for good and
  * is seen at the next look. One that flips between the read and the write of a step is written over. Registers and stack are not guarded.
- * Where KELLY_GUARD is 1 (lanes.h): with one lane by default, for microcontrollers have memory without parity and time to spare (21 % more
+ * Where KELLY_GUARD is 1 (lanes.h): with one lane by default, for microcontrollers have memory without parity and time to spare (18 % more
  * cycles on a Cortex-M4F); vector units, whose hosts correct their memory, lose some 17 % of their speed by it: build with
  * -DKELLY_GUARD=1, or run twice and compare.
  */

@@ -127,8 +127,7 @@ PLANTED = {
 }
 
 USED = ("tests/eva/contracts.h", "tests/eva/torque.h", "tests/eva/kernel.h", "FRAMAC_SHARE")
-EXCUSED = {"in_turns firmware/integrator.c": "four vectors and more; one lane has one",
-           "root firmware/sobol.c": "Newton's method: taken as falling from 1 + x",
+EXCUSED = {"root firmware/sobol.c": "Newton's method: taken as falling from 1 + x",
            "away_from_zero firmware/interval.c": "of the continued fraction, which is taken as staying within 1e12",
            "fraction firmware/interval.c": "a continued fraction: taken as finite, as it converges"}
 
