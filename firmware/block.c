@@ -186,7 +186,7 @@ static const vreal *state_of(const kelly_block *block, unsigned v, unsigned i)
 /* What the guard of a vector is between two steps. */
 KELLY_SHARED vbits state_bits(const kelly_block *block, unsigned v)
 {
-    vbits bits = held(&block->lane[v]);
+    vbits bits = weighed(&block->lane[v]) ^ moved(&block->lane[v]);
 
     for (unsigned i = 0; i < block->modes && i < KELLY_MODES_MAX; i++) {
         const vreal *const state = state_of(block, v, i);
@@ -204,6 +204,7 @@ void kelly_block_load(kelly_block *block, unsigned lane, const kelly_case *run,
     const real half_sine = kelly_sin_turn(step / 2);
     const real a2 = larger(draw->a2, SMALL_A2);
     kelly_lane *const out = &block->lane[lane / KELLY_WIDTH];
+    const vbits faults = out->guard ^ state_bits(block, lane / KELLY_WIDTH);      /* in the other lanes of the vector: they stay */
 
     block->phase_step[lane] = step;
     block->strayed[lane] = 0;
@@ -218,7 +219,7 @@ void kelly_block_load(kelly_block *block, unsigned lane, const kelly_case *run,
     first_speeds(block, lane / KELLY_WIDTH);
     kelly_block_resync(block, lane);
     watch(out);
-    out->guard = state_bits(block, lane / KELLY_WIDTH);
+    out->guard = faults ^ state_bits(block, lane / KELLY_WIDTH);
 }
 
 void kelly_block_watch(kelly_block *block)

@@ -199,7 +199,7 @@ KELLY_INLINE void finish(kelly_driven_lane *on, kelly_driven_mode *mode, unsigne
 {
     const impulses t = impulses_of(s[0].t, s[1].t, s[2].t, s[3].t, h), u = impulses_of(s[0].u, s[1].u, s[2].u, s[3].u, h);
     sums sum = { .y0 = vsplat(0) };
-    vbits changed = { 0 };
+    vbits changed = kelly_driven_held(on);      /* before anything of it is overwritten */
 
     for (unsigned i = 0; i < modes; i++) {
         kelly_driven_mode now = mode[i];
@@ -211,28 +211,26 @@ KELLY_INLINE void finish(kelly_driven_lane *on, kelly_driven_mode *mode, unsigne
         vwrite(&mode[i].x, now.x);
         add_outputs(&sum, &now);
     }
-    vguard(&on->guard, changed);
     move_top(on, s, h);
     look_ahead(on, &sum, be);
     on->lowest = vmin(on->speed, on->lowest);
     on->highest = vmax(on->speed, on->highest);
+    vguard(&on->guard, changed ^ kelly_driven_held(on));
 }
 
-/* Advance `vectors` vectors, a compile-time constant, stage by stage, as in integrator.c; guarded, on copies that are
- * read and written once a step. */
+/* Advance `vectors` vectors, a compile-time constant, stage by stage, as in integrator.c. */
 KELLY_INLINE void steps(kelly_driven *driven, uint32_t ticks, const unsigned vectors)
 {
     const real h = driven->h, alpha = driven->alpha;
 
     for (; ticks > 0; ticks--) {
         stage at[KELLY_VECTORS][4];
-#if KELLY_GUARD
+#if KELLY_ON_COPY
         kelly_driven_lane on[KELLY_VECTORS];
 
         UNROLL
         for (unsigned v = 0; v < vectors; v++) {
             on[v] = *(const volatile kelly_driven_lane *)&driven->lane[v];
-            kelly_driven_guard(&on[v]);
         }
 #else
         kelly_driven_lane *const on = driven->lane;
@@ -256,8 +254,7 @@ KELLY_INLINE void steps(kelly_driven *driven, uint32_t ticks, const unsigned vec
         UNROLL
         for (unsigned v = 0; v < vectors; v++) {
             finish(&on[v], driven->mode[v], driven->modes, at[v], h, driven->be);
-#if KELLY_GUARD
-            kelly_driven_guard(&on[v]);
+#if KELLY_ON_COPY
             *(volatile kelly_driven_lane *)&driven->lane[v] = on[v];
 #endif
         }

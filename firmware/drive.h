@@ -104,11 +104,6 @@ KELLY_SHARED vbits kelly_driven_held(const kelly_driven_lane *on)
     return bits;
 }
 
-KELLY_SHARED void kelly_driven_guard(kelly_driven_lane *on)
-{
-    vguard(&on->guard, kelly_driven_held(on));
-}
-
 KELLY_SHARED void kelly_driven_put_phase(kelly_driven *driven, unsigned lane, uint64_t phase)
 {
     driven->phases ^= driven->phase[lane] ^ phase;

@@ -131,6 +131,7 @@ void kelly_driven_load(kelly_driven *driven, unsigned lane, const kelly_table *t
 {
     const unsigned l = lane % KELLY_WIDTH;
     kelly_driven_lane *const on = &driven->lane[lane / KELLY_WIDTH];
+    const vbits faults = on->guard ^ state_bits(driven, lane / KELLY_WIDTH);      /* in the other lanes of the vector: they stay */
 
     kelly_driven_put_phase(driven, lane, 0);
     driven->strayed[lane] = 0;
@@ -145,7 +146,7 @@ void kelly_driven_load(kelly_driven *driven, unsigned lane, const kelly_table *t
     kelly_driven_resync(driven, lane);
     LANE(on->lowest, l) = LANE(on->speed, l);
     LANE(on->highest, l) = LANE(on->speed, l);
-    on->guard = state_bits(driven, lane / KELLY_WIDTH);
+    on->guard = faults ^ state_bits(driven, lane / KELLY_WIDTH);
 }
 
 void kelly_driven_weigh(kelly_driven *driven, unsigned lane, const kelly_case *run, const kelly_draw *draw, real weight)

@@ -72,17 +72,15 @@ KELLY_INLINE inputs_m inputs_of_m(const kelly_lane *on, const stages *at, real a
 }
 
 /* The modes under the four torques, and the stage speeds of the next step. */
-KELLY_INLINE void finish_m(kelly_lane *on, kelly_mode *mode, unsigned modes, const stages *at, real al, real be)
+KELLY_INLINE void finish_m(kelly_lane *on, kelly_mode *mode, unsigned modes, const stages *at, real al, real be, vbits *changed)
 {
     const inputs_m in = inputs_of_m(on, at, al, be);
     const kelly_mode *const end = mode + modes;
-    vbits changed = { 0 };
-    sums_m sum = move_m(mode, &in, &changed);
+    sums_m sum = move_m(mode, &in, changed);
 
     while (++mode < end) {
-        add_m(&sum, move_m(mode, &in, &changed));
+        add_m(&sum, move_m(mode, &in, changed));
     }
-    vguard(&on->guard, changed);
     stage_speeds_m(on, &sum, al, be);
 }
 

@@ -88,17 +88,15 @@ KELLY_INLINE inputs_s inputs_of_s(const kelly_lane *on, const stages *at, real a
 }
 
 /* The modes under the four torques, and the stage speeds of the next step. */
-KELLY_INLINE void finish_s(kelly_lane *on, kelly_slow_mode *mode, unsigned modes, const stages *at, real al, real be)
+KELLY_INLINE void finish_s(kelly_lane *on, kelly_slow_mode *mode, unsigned modes, const stages *at, real al, real be, vbits *changed)
 {
     const inputs_s in = inputs_of_s(on, at, al, be);
     const kelly_slow_mode *const end = mode + modes;
-    vbits changed = { 0 };
-    sums_s sum = next_s(&mode, &in, &changed);
+    sums_s sum = next_s(&mode, &in, changed);
 
     while (mode < end) {
-        add_s(&sum, next_s(&mode, &in, &changed));
+        add_s(&sum, next_s(&mode, &in, changed));
     }
-    vguard(&on->guard, changed);
     stage_speeds_s(on, &sum, al, be);
 }
 

@@ -19,15 +19,18 @@ KELLY_INLINE void watch(kelly_lane *on)
 }
 
 /* Everything of a step that follows the fourth torque of a vector, its first torque of the next step included. */
-KELLY_INLINE void finish(kelly_block *block, unsigned v, kelly_lane *on, const stages *at, const int slow)
+KELLY_INLINE void finish(kelly_block *block, unsigned v, kelly_lane *on, const stages *at, real al, real be, const int slow)
 {
+    vbits changed = moved(on);
+
     if (slow) {
-        finish_s(on, block->slow[v], block->modes, at, block->al, block->be);
+        finish_s(on, block->slow[v], block->modes, at, al, be, &changed);
     } else {
-        finish_m(on, block->mode[v], block->modes, at, block->al, block->be);
+        finish_m(on, block->mode[v], block->modes, at, al, be, &changed);
     }
     watch(on);
     first_torque(on);
+    vguard(&on->guard, changed ^ moved(on));
 }
 
 /* The second, third or fourth torque of a vector. */
@@ -45,10 +48,11 @@ KELLY_INLINE void torque(kelly_lane *on, stages *at, const unsigned stage)
 /* Advance a few vectors, a compile-time constant, by `ticks` steps, without looking at the exact phase: stage by stage. */
 KELLY_INLINE void side_by_side(kelly_block *block, uint32_t ticks, const unsigned vectors, const int slow)
 {
+    const real al = block->al, be = block->be;      /* a write to a lane could be one to a real of the block, for all a compiler knows */
     stages at[KELLY_VECTORS];
 
     for (; ticks > 0; ticks--) {
-#if KELLY_GUARD
+#if KELLY_ON_COPY
         kelly_lane on[KELLY_VECTORS];
 
         UNROLL
@@ -67,20 +71,20 @@ KELLY_INLINE void side_by_side(kelly_block *block, uint32_t ticks, const unsigne
         }
         UNROLL
         for (unsigned v = 0; v < vectors; v++) {
-            finish(block, v, &on[v], &at[v], slow);
-#if KELLY_GUARD
+            finish(block, v, &on[v], &at[v], al, be, slow);
+#if KELLY_ON_COPY
             put_back(&block->lane[v], &on[v]);
 #endif
         }
     }
 }
 
-#if !KELLY_GUARD
+#if !KELLY_ON_COPY
 /* The same for four and more. One torque is a chain of some 60 cycles and needs the one before it, so the vectors are at different
- * stages: while one is finished, the next three are one, two and three torques behind, and no chain waits for another. A guard wants
- * whole steps. */
+ * stages: while one is finished, the next three are one, two and three torques behind, and no chain waits for another. */
 KELLY_INLINE void in_turns(kelly_block *block, uint32_t ticks, const unsigned vectors, const int slow)
 {
+    const real al = block->al, be = block->be;
     stages at[KELLY_VECTORS];
 
     UNROLL
@@ -93,7 +97,7 @@ KELLY_INLINE void in_turns(kelly_block *block, uint32_t ticks, const unsigned ve
     for (; ticks > 0; ticks--) {
         UNROLL
         for (unsigned v = 0; v < vectors; v++) {
-            finish(block, v, &block->lane[v], &at[v], slow);
+            finish(block, v, &block->lane[v], &at[v], al, be, slow);
             UNROLL
             for (unsigned lag = 1; lag <= 3; lag++) {
                 if (v + lag < vectors || ticks > 1) {      /* the last step starts no other */
@@ -108,7 +112,7 @@ KELLY_INLINE void in_turns(kelly_block *block, uint32_t ticks, const unsigned ve
 /* One loop for each number of vectors in use, so that the compiler can keep them all in flight. */
 static void advance(kelly_block *block, uint32_t ticks)
 {
-#if KELLY_GUARD
+#if KELLY_ON_COPY
 #define STEPS(n) side_by_side
 #else
 #define STEPS(n) ((n) < 4 ? side_by_side : in_turns)
@@ -130,12 +134,6 @@ static void advance(kelly_block *block, uint32_t ticks)
 #undef STEPS
 }
 
-/* Of what a resync changes. */
-KELLY_SHORT vbits weighed(const kelly_lane *on)
-{
-    return vbits_of(on->wave) ^ vbits_of(on->dwave) ^ vbits_of(on->muf) ^ vbits_of(on->t1);
-}
-
 /* The weight of a lane from its exact integer phase, and the torque that follows from it. */
 void kelly_block_resync(kelly_block *block, unsigned lane)
 {
@@ -145,12 +143,12 @@ void kelly_block_resync(kelly_block *block, unsigned lane)
     const real swing = LANE(out->muf_swing, l), wave = swing * kelly_sin_turn(phase);
     const real muf = LANE(out->muf_mean, l) + wave;
 
-    vguard(&out->guard, weighed(out));
+    vguard(&out->guard, weighed(out) ^ vbits_of(out->t1));
     LANE(out->wave, l) = wave;
     LANE(out->dwave, l) = swing * (2 * kelly_sin_turn(phase + step / 2 + QUARTER_TURN) * kelly_sin_turn(step / 2));
     LANE(out->muf, l) = muf < 0 ? muf : 0;
     first_torque(out);
-    vguard(&out->guard, weighed(out));
+    vguard(&out->guard, weighed(out) ^ vbits_of(out->t1));
 }
 
 void kelly_block_advance(kelly_block *block, uint32_t ticks)

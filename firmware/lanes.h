@@ -20,10 +20,13 @@
 #endif
 #define KELLY_LANES (KELLY_WIDTH * KELLY_VECTORS)
 
-/* Whether the state is guarded from step to step (seal.h): by default where one lane is all, on machines whose memory has nothing else. */
+/* Whether the state is guarded from step to step (seal.h). */
 #ifndef KELLY_GUARD
-#define KELLY_GUARD (KELLY_WIDTH == 1)
+#define KELLY_GUARD 1
 #endif
+
+/* Whether a step works on a copy of what a lane holds, read and written once: where one lane is all, and registers hold it. */
+#define KELLY_ON_COPY (KELLY_GUARD && KELLY_WIDTH == 1)
 
 /* with(1) .. with(KELLY_VECTORS): a case of a switch for each number of vectors in use, 8 at the most. */
 #define KELLY_UP_TO_1(with) with(1)
@@ -127,16 +130,16 @@ KELLY_INLINE int vsame(vbits a, vbits b)
     return 1;
 }
 
-/* Into a guard go the bits of what is read and of what takes its place. Memory is read once and written once, so that these are the
- * numbers which are computed with, and no copy of them or a second look. */
+/* Out of a guard go the bits of what is read, into it those of what takes its place. Memory is read once and written once, so that these
+ * are the numbers which are computed with, and no copy of them or a second look. */
 #if KELLY_GUARD
 KELLY_INLINE void vguard(vbits *guard, vbits bits) { *guard = *guard ^ bits; }
 KELLY_INLINE vreal vread(const vreal *at) { return *(const volatile vreal *)at; }
 KELLY_INLINE void vwrite(vreal *at, vreal x) { *(volatile vreal *)at = x; }
 #else
 KELLY_INLINE void vguard(vbits *guard, vbits bits) { (void)guard, (void)bits; }
-KELLY_INLINE vreal vread(const vreal *at) { return *at; }
-KELLY_INLINE void vwrite(vreal *at, vreal x) { *at = x; }
+#define vread(at) (*(at))                /* no pointer: gcc knows that no other member of a struct has changed */
+#define vwrite(at, x) (*(at) = (x))
 #endif
 
 /* x held within -limit .. limit. One lane asks the usual question first: it is seldom beyond. */

@@ -10,17 +10,17 @@ typedef struct {
     vreal half, t2, t3, t4;
 } stages;
 
-/* Over what a lane holds from one step to the next: its share of the guard. */
-KELLY_SHORT vbits held(const kelly_lane *on)
+/* A lane's share of the guard: of what follows the phase of the top, and of what the modes leave. It goes out between the last use of
+ * a number and the write of the next one: what has changed since it was written is in the guard for good. */
+KELLY_INLINE vbits weighed(const kelly_lane *on)
 {
-    return vbits_of(on->wave) ^ vbits_of(on->dwave) ^ vbits_of(on->muf) ^ vbits_of(on->t1) ^ vbits_of(on->y1) ^ vbits_of(on->y2) ^
-           vbits_of(on->y3) ^ vbits_of(on->y4) ^ vbits_of(on->lowest) ^ vbits_of(on->highest);
+    return vbits_of(on->wave) ^ vbits_of(on->dwave) ^ vbits_of(on->muf);
 }
 
-/* Out of the guard goes what the lane has held, before it changes, and into it what it holds then. */
-KELLY_SHORT void guard(kelly_lane *on)
+KELLY_INLINE vbits moved(const kelly_lane *on)
 {
-    vguard(&on->guard, held(on));
+    return vbits_of(on->t1) ^ vbits_of(on->y1) ^ vbits_of(on->y2) ^ vbits_of(on->y3) ^ vbits_of(on->y4) ^ vbits_of(on->lowest) ^
+           vbits_of(on->highest);
 }
 
 /* Torque at the present tick: the first stage of the step to come. */
@@ -29,8 +29,7 @@ KELLY_INLINE void first_torque(kelly_lane *on)
     on->t1 = kelly_bit_torque_folded(on->y1, on->muf, on->ratio, on->inverse);
 }
 
-#if KELLY_GUARD
-/* A step works on a copy of the lane: what the lane has held is read once, and goes out of the guard. */
+#if KELLY_ON_COPY
 KELLY_INLINE void take(kelly_lane *now, const kelly_lane *from)
 {
     *now = *from;
@@ -44,13 +43,10 @@ KELLY_INLINE void take(kelly_lane *now, const kelly_lane *from)
     now->y4 = vread(&from->y4);
     now->lowest = vread(&from->lowest);
     now->highest = vread(&from->highest);
-    guard(now);
 }
 
-/* What it holds from now on goes into the guard, and back. */
-KELLY_INLINE void put_back(kelly_lane *to, kelly_lane *now)
+KELLY_INLINE void put_back(kelly_lane *to, const kelly_lane *now)
 {
-    guard(now);
     vwrite(&to->wave, now->wave);
     vwrite(&to->dwave, now->dwave);
     vwrite(&to->muf, now->muf);
@@ -70,10 +66,12 @@ KELLY_INLINE void second_torque(kelly_lane *on, stages *at)
 {
     const vreal wave = on->wave + on->dwave;
 
+    vguard(&on->guard, weighed(on));
     at->half = vmin(on->muf_mean + (on->wave + wave) * on->wave_half, vsplat(0));
     on->muf = vmin(on->muf_mean + wave, vsplat(0));
     on->dwave = on->dwave - on->wave_k * wave;
     on->wave = wave;
+    vguard(&on->guard, weighed(on));
     at->t2 = kelly_bit_torque_folded(on->y2 + on->g1 * on->t1, at->half, on->ratio, on->inverse);
 }
 

@@ -12,9 +12,9 @@
  *   wrong      a silent wrong count
  *
  * Table and coefficients: nothing may be moved or wrong, no flip may end the program, and the block stands still within KELLY_LOOK steps.
- * So for the state where it is guarded (seal.h), which is the build of one lane; there a few strike at any instruction of a step, too, where
- * a word that is read no more may change without harm. In a vector unit a flipped bit of the state is a small push to the string, or to an extreme that has
- * been seen; how many are moved or wrong is a figure, and with engine_run's `twice` none may be.
+ * So for the state where it is guarded (seal.h), and a few strike at any instruction of a step, too, where a word that is read no more may
+ * change without harm. Built with -DKELLY_GUARD=0 a flipped bit of the state is a small push to the string, or to an extreme that has
+ * been seen; how many are moved or wrong is a figure then, and with engine_run's `twice` none may be.
  *
  * Here: how a fault is put in and judged, and all of them in order. host_faults_state.c: state and inputs; host_faults_table.c: table,
  * coefficients and counts of loops; host_faults_instant.c: at any instruction.
@@ -230,9 +230,9 @@ int main(int argc, char **argv)
     tally table = { 0 }, coefficients = { 0 }, counts = { 0 }, state = { 0 }, far = { 0 }, small = { 0 }, instant = { 0 };
     uint32_t most = 0;
 
-    lanes = KELLY_WIDTH == 1 ? 1 : 2 * KELLY_WIDTH;
     kelly_rng_key(&rng, 20261127, 0, 0);
     for (unsigned c = 0; c < sizeof(cases) / sizeof(cases[0]); c++) {
+        lanes = KELLY_WIDTH == 1 ? 1 : c % 2 == 0 ? 2 * KELLY_WIDTH : KELLY_LANES;      /* vectors side by side and in turns */
         begin_case(cases[c].mu, cases[c].soft, cases[c].modes, cases[c].first);
         flips_in_table(&table, flips);
         flips_in_coefficients(&coefficients, cases[c].soft, flips);
@@ -241,6 +241,9 @@ int main(int argc, char **argv)
         flips_in_state(&state, cases[c].soft, flips);
         if (KELLY_GUARD) {
             flips_at_any_instant(&instant, state_places, cases[c].soft, flips / 32);
+        }
+        if (KELLY_GUARD && KELLY_WIDTH > 1) {
+            flips_between_loads(cases[c].soft, flips);
         }
         numbers_in_state(&far, &small, cases[c].soft, KELLY_WIDTH == 1 ? 1 : 11);
         numbers_in_draws(cases[c].soft);

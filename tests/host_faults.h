@@ -67,6 +67,7 @@ void flips_at_any_instant(tally *t, void (*add_places)(int soft), int soft, uint
 void motion_places(int soft);
 void state_places(int soft);
 void flips_in_state(tally *t, int soft, uint32_t flips);
+void flips_between_loads(int soft, uint32_t flips);
 void numbers_in_state(tally *far, tally *small, int soft, unsigned every);
 void numbers_in_draws(int soft);
 void numbers_in_case(void);

@@ -76,6 +76,37 @@ void flips_in_state(tally *t, int soft, uint32_t flips)
     flips_in_block(t, state_places, soft, flips);
 }
 
+static void load_lane(int soft, unsigned lane)
+{
+    EQUAL(kelly_realise(&kelly_string, &run, &clean[lane].draw, &work.modes), KELLY_OK);
+    if (soft) {
+        kelly_driven_load(&work.driven, lane, &kelly_string, &run, &clean[lane].draw, &work.modes, clean[lane].draw.w0);
+    } else {
+        kelly_block_load(&work.block, lane, &run, &clean[lane].draw, &work.modes);
+    }
+}
+
+/* The state of a vector struck between the loads of two of its lanes: found, whatever the second one writes over. */
+void flips_between_loads(int soft, uint32_t flips)
+{
+    run = base;
+    for (uint32_t i = 0; i <= flips; i++) {
+        if (soft) {
+            kelly_driven_clear(&work.driven, &kelly_string, &run, KELLY_WIDTH);
+        } else {
+            kelly_block_clear(&work.block, &kelly_string, &run, KELLY_WIDTH);
+        }
+        load_lane(soft, 0);
+        site_count = 0;
+        motion_places(soft);
+        if (i > 0) {                                                      /* the first goes without */
+            flip_any(0);
+        }
+        load_lane(soft, 1);
+        EQUAL(soft ? kelly_driven_untouched(&work.driven) : kelly_block_untouched(&work.block), i == 0);
+    }
+}
+
 static void put_number(void *of)
 {
     const uint32_t *const what = of;
