@@ -226,10 +226,10 @@ void kelly_block_watch(kelly_block *block)
 {
     for (unsigned v = 0; v < KELLY_VECTORS; v++) {
         kelly_lane *const on = &block->lane[v];
+        const vbits was = vbits_of(on->lowest) ^ vbits_of(on->highest);
 
-        vguard(&on->guard, vbits_of(on->lowest) ^ vbits_of(on->highest));
         watch(on);
-        vguard(&on->guard, vbits_of(on->lowest) ^ vbits_of(on->highest));
+        vguard(&on->guard, was, vbits_of(on->lowest) ^ vbits_of(on->highest));
     }
 }
 

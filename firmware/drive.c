@@ -144,7 +144,8 @@ KELLY_INLINE void move(kelly_driven_mode *m, const impulses *t, const impulses *
 
     m->v = v + ((m->d00 * v + m->d01 * x) + v1);
     m->x = x + ((m->d10 * v + m->d11 * x) + x1);
-    vguard(guard, vbits_of(v) ^ vbits_of(x) ^ vbits_of(m->v) ^ vbits_of(m->x));
+    vguard(guard, vbits_of(v), vbits_of(m->v));
+    vguard(guard, vbits_of(x), vbits_of(m->x));
 }
 
 KELLY_INLINE void add_outputs(sums *sum, const kelly_driven_mode *m)
@@ -215,7 +216,7 @@ KELLY_INLINE void finish(kelly_driven_lane *on, kelly_driven_mode *mode, unsigne
     look_ahead(on, &sum, be);
     on->lowest = vmin(on->speed, on->lowest);
     on->highest = vmax(on->speed, on->highest);
-    vguard(&on->guard, changed ^ kelly_driven_held(on));
+    vguard(&on->guard, changed, kelly_driven_held(on));
 }
 
 /* Advance `vectors` vectors, a compile-time constant, stage by stage, as in integrator.c. */
@@ -299,15 +300,15 @@ void kelly_driven_resync(kelly_driven *driven, unsigned lane)
     kelly_driven_lane *const on = &driven->lane[lane / KELLY_WIDTH];
     const unsigned l = lane % KELLY_WIDTH;
     const uint64_t phase = phase_of(driven, lane);
+    const vbits was = vbits_of(on->sine) ^ vbits_of(on->cosine) ^ vbits_of(on->phi);
 
-    vguard(&on->guard, vbits_of(on->sine) ^ vbits_of(on->cosine) ^ vbits_of(on->phi));
     LANE(on->sine, l) = kelly_sin_turn(phase);
     LANE(on->cosine, l) = kelly_sin_turn(phase + QUARTER_TURN);
     if (!(LANE(on->gain, l) > 0)) {
         kelly_driven_put_phase(driven, lane, phase);
         LANE(on->phi, l) = 0;
     }
-    vguard(&on->guard, vbits_of(on->sine) ^ vbits_of(on->cosine) ^ vbits_of(on->phi));
+    vguard(&on->guard, was, vbits_of(on->sine) ^ vbits_of(on->cosine) ^ vbits_of(on->phi));
 }
 
 /* Whether sine or cosine is further from that of theta_top than rounding leads. A NaN in them would not be seen otherwise. */

@@ -40,7 +40,8 @@ KELLY_INLINE sums_m move_m(kelly_mode *mode, const inputs_m *in, vbits *guard)
 
     now.xi = xi + ((now.d00 * xi + now.d01 * zeta) + (in->s0 + now.w4 * (in->e1 + now.w4 * in->e2)));
     now.zeta = zeta + ((now.d10 * xi + now.d11 * zeta) + (in->e4 + now.w4 * in->e3));
-    vguard(guard, vbits_of(xi) ^ vbits_of(zeta) ^ vbits_of(now.xi) ^ vbits_of(now.zeta));
+    vguard(guard, vbits_of(xi), vbits_of(now.xi));
+    vguard(guard, vbits_of(zeta), vbits_of(now.zeta));
     vwrite(&mode->xi, now.xi);
     vwrite(&mode->zeta, now.zeta);
     return outputs_m(&now);

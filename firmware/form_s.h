@@ -56,7 +56,8 @@ KELLY_INLINE sums_s next_s(kelly_slow_mode **mode, const inputs_s *in, vbits *gu
 
     now.v = v + ((now.t * v - now.d * (x + in->f)) + in->p);
     now.x = x + ((v + now.v) + in->e);
-    vguard(guard, vbits_of(v) ^ vbits_of(x) ^ vbits_of(now.v) ^ vbits_of(now.x));
+    vguard(guard, vbits_of(v), vbits_of(now.v));
+    vguard(guard, vbits_of(x), vbits_of(now.x));
     vwrite(&(*mode)[-1].v, now.v);
     vwrite(&(*mode)[-1].x, now.x);
     return outputs_s(&now);

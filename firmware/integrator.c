@@ -30,7 +30,7 @@ KELLY_INLINE void finish(kelly_block *block, unsigned v, kelly_lane *on, const s
     }
     watch(on);
     first_torque(on);
-    vguard(&on->guard, changed ^ moved(on));
+    vguard(&on->guard, changed, moved(on));
 }
 
 /* The second, third or fourth torque of a vector. */
@@ -142,13 +142,13 @@ void kelly_block_resync(kelly_block *block, unsigned lane)
     const unsigned l = lane % KELLY_WIDTH;
     const real swing = LANE(out->muf_swing, l), wave = swing * kelly_sin_turn(phase);
     const real muf = LANE(out->muf_mean, l) + wave;
+    const vbits was = weighed(out) ^ vbits_of(out->t1);
 
-    vguard(&out->guard, weighed(out) ^ vbits_of(out->t1));
     LANE(out->wave, l) = wave;
     LANE(out->dwave, l) = swing * (2 * kelly_sin_turn(phase + step / 2 + QUARTER_TURN) * kelly_sin_turn(step / 2));
     LANE(out->muf, l) = muf < 0 ? muf : 0;
     first_torque(out);
-    vguard(&out->guard, weighed(out) ^ vbits_of(out->t1));
+    vguard(&out->guard, was, weighed(out) ^ vbits_of(out->t1));
 }
 
 void kelly_block_advance(kelly_block *block, uint32_t ticks)

@@ -130,14 +130,14 @@ KELLY_INLINE int vsame(vbits a, vbits b)
     return 1;
 }
 
-/* Out of a guard go the bits of what is read, into it those of what takes its place. Memory is read once and written once, so that these
+/* Out of a guard go the bits of what was, into it those of what is in its place. Memory is read once and written once, so that these
  * are the numbers which are computed with, and no copy of them or a second look. */
 #if KELLY_GUARD
-KELLY_INLINE void vguard(vbits *guard, vbits bits) { *guard = *guard ^ bits; }
-KELLY_INLINE vreal vread(const vreal *at) { return *(const volatile vreal *)at; }
-KELLY_INLINE void vwrite(vreal *at, vreal x) { *(volatile vreal *)at = x; }
+KELLY_INLINE void vguard(vbits *guard, vbits was, vbits is) { *guard = *guard ^ (was ^ is); }
+#define vread(at) (*(const volatile vreal *)(at))
+#define vwrite(at, x) (*(volatile vreal *)(at) = (x))
 #else
-KELLY_INLINE void vguard(vbits *guard, vbits bits) { (void)guard, (void)bits; }
+KELLY_INLINE void vguard(vbits *guard, vbits was, vbits is) { (void)guard, (void)was, (void)is; }
 #define vread(at) (*(at))                /* no pointer: gcc knows that no other member of a struct has changed */
 #define vwrite(at, x) (*(at) = (x))
 #endif

@@ -65,13 +65,13 @@ KELLY_INLINE void put_back(kelly_lane *to, const kelly_lane *now)
 KELLY_INLINE void second_torque(kelly_lane *on, stages *at)
 {
     const vreal wave = on->wave + on->dwave;
+    const vbits was = weighed(on);
 
-    vguard(&on->guard, weighed(on));
     at->half = vmin(on->muf_mean + (on->wave + wave) * on->wave_half, vsplat(0));
     on->muf = vmin(on->muf_mean + wave, vsplat(0));
     on->dwave = on->dwave - on->wave_k * wave;
     on->wave = wave;
-    vguard(&on->guard, weighed(on));
+    vguard(&on->guard, was, weighed(on));
     at->t2 = kelly_bit_torque_folded(on->y2 + on->g1 * on->t1, at->half, on->ratio, on->inverse);
 }
 

@@ -106,10 +106,11 @@ static inline void start(const problem *p, double *y)
 }
 #endif
 
-/* ---- kelly, in one precision (side.c, linked twice) ------------------------------------------------------------- */
+/* ---- kelly, in one precision, its state guarded or not (side.c, linked four times) ------------------------------------------------------------- */
 
 typedef struct {
     const char *precision;
+    int guarded;                 /* as it is shipped; or built with -DKELLY_GUARD=0 */
     /* Vector units, narrowest first, the scalar build before them; 0 behind the last one that runs here. */
     const char *(*engine)(unsigned e, unsigned *width, unsigned *lanes);
     /* `count` realisations from `first` on one engine, hard rock: returns the digest. cov < 0: the well's laws. */
@@ -120,7 +121,7 @@ typedef struct {
     double (*trace)(long draw, const double *reference);     /* largest error over the run [rad/s]; NaN if refused */
 } side;
 
-extern const side side_float, side_double;
+extern const side side_float, side_double, side_float_bare, side_double_bare;
 
 #ifdef __cplusplus
 }

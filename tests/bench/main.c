@@ -34,6 +34,8 @@ typedef struct {
     int good;
 } contestant;
 
+#define SIDES 4u
+static const side *const sides[SIDES] = { &side_float, &side_double, &side_float_bare, &side_double_bare };
 static contestant list[CONTESTANTS_MAX];
 static unsigned contestants;
 static problem nominal, drawn[DRAWS];
@@ -130,10 +132,10 @@ static void add_kelly(const side *s)
     for (unsigned e = 0; (engine = s->engine(e, &width, &lanes)) != 0; e++) {
         char name[80];
 
-        for (unsigned count = lanes;; count = 1) {
+        for (unsigned count = lanes; s->guarded || count > 1; count = 1) {
             contestant *c;
 
-            snprintf(name, sizeof(name), "kelly %s, %s, %u", s->precision, engine, count);
+            snprintf(name, sizeof(name), "kelly %s, %s, %u%s", s->precision, engine, count, s->guarded ? "" : ", unguarded");
             c = add(name);
             c->kelly = s;
             c->engine = e;
@@ -321,13 +323,13 @@ static void record_contestants(void)
         if (c->kelly) {
             unsigned width, lanes;
 
-            snprintf(extra, sizeof(extra), ", \"kelly\": \"%s\", \"engine\": \"%s\", \"count\": %u, \"drawn_error_rpm\": %.4g",
-                     c->kelly->precision, c->kelly->engine(c->engine, &width, &lanes), c->count, c->worst);
+            snprintf(extra, sizeof(extra), ", \"kelly\": \"%s\", \"guarded\": %s, \"engine\": \"%s\", \"count\": %u, \"drawn_error_rpm\": %.4g",
+                     c->kelly->precision, c->kelly->guarded ? "true" : "false", c->kelly->engine(c->engine, &width, &lanes), c->count, c->worst);
         } else if (c->n_drawn > 0) {
             snprintf(extra, sizeof(extra), ", \"drawn_ns\": %.4f, \"drawn_error_rpm\": %.4g", median(c->drawn, c->n_drawn), c->worst);
         }
         record("time", "\"name\": \"%s\", \"flags\": \"%s\", \"told\": \"%s\", \"h\": %g, \"rtol\": %g, \"atol\": %g, \"ok\": %s, \"error_rpm\": %s, \"rounds\": %u, \"ns\": %.4f%s",
-               c->name, c->who ? c->who->flags : c->kelly ? "as built" : "", c->told, c->who ? c->who->set.h : 1e-3, c->who ? c->who->set.rtol : 0, c->who ? c->who->set.atol : 0,
+               c->name, c->who ? c->who->flags : c->kelly ? (c->kelly->guarded ? "as built" : "-DKELLY_GUARD=0") : "", c->told, c->who ? c->who->set.h : 1e-3, c->who ? c->who->set.rtol : 0, c->who ? c->who->set.atol : 0,
                c->good ? "true" : "false", error, c->n, c->good ? median(c->ns, c->n) : -1.0, extra);
     }
 }
@@ -369,8 +371,9 @@ int main(int argc, char **argv)
     signal(SIGPIPE, SIG_IGN);
     spread(0);
     choose_problems();
-    add_kelly(&side_float);
-    add_kelly(&side_double);
+    for (unsigned i = 0; i < SIDES; i++) {
+        add_kelly(sides[i]);
+    }
     add_peers();
     for (int i = 4; i < argc; i++) {
         is_long = is_long || strcmp(argv[i], "--long") == 0;
@@ -385,14 +388,16 @@ int main(int argc, char **argv)
         return 0;
     }
     failed = check_all();
-    check_digests(&side_float);
-    check_digests(&side_double);
+    for (unsigned i = 0; i < SIDES; i++) {
+        check_digests(sides[i]);
+    }
     nominal_rounds();
     drawn_rounds();
     record_contestants();
     for (unsigned e = 1; side_float.engine(e, &width, &lanes); e++) {
-        count_steps(&side_float, e);
-        count_steps(&side_double, e);
+        for (unsigned i = 0; i < SIDES; i++) {
+            count_steps(sides[i], e);
+        }
     }
     growth(argv[2], argv[3], is_long);
     return failed > 0;

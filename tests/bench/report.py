@@ -128,7 +128,7 @@ def peak_table(rows, best, counts):
         unit = row.get("engine")
         if unit not in peaks or row["count"] == 1:
             continue
-        count = counts.get((unit, row["kelly"]), {})
+        count = counts.get((unit, row["kelly"], row["guarded"]), {})
         operations = count.get("mul", 0) + count.get("add", 0)
         source = "machine code"
         if not operations:
@@ -136,9 +136,9 @@ def peak_table(rows, best, counts):
         everything = operations + (count["div"] + count["minmax"] if count else sum(FORM_OTHERS.values()))
         rate = operations / row["ns"]
         peak = peaks[unit][row["kelly"]]
-        data.append({"engine": unit, "real": row["kelly"], "operations": operations, "all": everything, "counted_from": source, "rate": rate,
+        data.append({"engine": unit, "real": row["kelly"], "guarded": row["guarded"], "operations": operations, "all": everything, "counted_from": source, "rate": rate,
                      "peak": peak, "fraction": rate / peak})
-        out.append([row["kelly"] + ", " + unit, number(row["ns"]), "%.0f" % operations, number(rate), number(peak), "%.0f %%" % (100 * rate / peak),
+        out.append([row["kelly"] + ", " + unit + ("" if row["guarded"] else ", unguarded"), number(row["ns"]), "%.0f" % operations, number(rate), number(peak), "%.0f %%" % (100 * rate / peak),
                     "%.0f" % count["all"] if count else "", "%.0f" % (count.get("loads", 0) + count.get("with a memory operand", 0)) if count else "",
                     "%.0f" % count.get("stores", 0) if count else ""])
     return table(["kelly", "ns", "mul + add", "Gop/s", "peak Gop/s", "of peak", "instructions", "reads", "writes"], out), data
@@ -179,17 +179,21 @@ def target_lines(best, of_peak, rows):
     """The figures that were aimed at, from this run."""
     ns = {r["name"]: r["ns"] for r in best if r["ok"]}
 
-    def kelly(real, count_one):
-        return min(r["ns"] for r in best if r.get("kelly") == real and (r["count"] == 1) == count_one)
-    f, d, one = kelly("float", False), kelly("double", False), kelly("float", True)
+    def kelly(real, guarded, one=False):
+        return min(r["ns"] for r in best if r.get("kelly") == real and r["guarded"] == guarded and (r["count"] == 1) == one)
     dopri, plain = min((v for k, v in ns.items() if "dopri5" in k), default=None), ns.get("textbook C, libm, double")
     lines = []
-    if dopri and plain:
-        lines.append("float: %.1f times faster than Boost's dopri5, %.1f times textbook C; double: %.1f and %.1f times; one realisation alone: %.1f times textbook C."
-                     % (dopri / f, plain / f, dopri / d, plain / d, plain / one))
-    if of_peak:
-        lines.append("Of the machine's separate multiply and add peak: "
-                     + ", ".join("%s %s %.0f %%" % (p["engine"], p["real"], 100 * p["fraction"]) for p in of_peak) + ".")
+    for guarded in (True, False):
+        how = "As built" if guarded else "Unguarded (-DKELLY_GUARD=0)"
+        if dopri and plain:
+            f, d = kelly("float", guarded), kelly("double", guarded)
+            lines.append("%s: float %.1f times faster than Boost's dopri5, %.1f times textbook C; double %.1f and %.1f times."
+                         % (how, dopri / f, plain / f, dopri / d, plain / d))
+        if of_peak:
+            lines.append("Of the machine's separate multiply and add peak: "
+                         + ", ".join("%s %s %.0f %%" % (p["engine"], p["real"], 100 * p["fraction"]) for p in of_peak if p["guarded"] == guarded) + ".")
+    if plain:
+        lines.append("One realisation alone, float: %.1f times textbook C." % (plain / kelly("float", True, one=True)))
     return "\n".join(lines)
 
 
@@ -197,9 +201,9 @@ def main():
     measurements, program, json_path, md_path = sys.argv[1:5]
     rows = read(measurements)
     best = best_builds(rows["time"])
-    fastest = min((r["ns"] for r in best if r.get("kelly") == "float" and r["ok"]), default=1.0)
+    fastest = min((r["ns"] for r in best if r.get("kelly") == "float" and r["guarded"] and r["ok"]), default=1.0)
     code = listing(program)
-    counts = {(r["engine"], r["real"]): instructions(r, code) for r in rows["steps"]} if code else {}
+    counts = {(r["engine"], r["real"], r["guarded"]): instructions(r, code) for r in rows["steps"]} if code else {}
     peak_text, of_peak = peak_table(rows, best, counts)
     digest_text, good = digests(rows)
     text = "\n\n".join([
@@ -223,7 +227,7 @@ def main():
         out.write(text + "\n")
     with open(json_path, "w") as out:
         json.dump({"time": rows["time"], "best": best, "peak": rows["peak"], "of_peak": of_peak, "form_operations": FORM_OPERATIONS,
-                   "instructions": [{"engine": k[0], "real": k[1], "per_step_and_vector": v} for k, v in counts.items()],
+                   "instructions": [{"engine": k[0], "real": k[1], "guarded": k[2], "per_step_and_vector": v} for k, v in counts.items()],
                    "digest": rows["digest"], "samples": rows["samples"], "modes": rows["modes"], "lanes": rows["lanes"],
                    "threads": rows["threads"]}, out, indent=1)
     if not good or not all(r["ok"] for r in rows["time"]):

@@ -6,10 +6,8 @@
 #include "bench.h"
 
 #ifdef KELLY_DOUBLE
-#define SIDE side_double
 #define PRECISION "double"
 #else
-#define SIDE side_float
 #define PRECISION "float"
 #endif
 
@@ -155,4 +153,4 @@ static const char *engine(unsigned e, unsigned *width, unsigned *lanes)
     return engines[e]->name;
 }
 
-const side SIDE = { .precision = PRECISION, .engine = engine, .run = run_engine, .advance = advance, .problem = make_problem, .trace = trace };
+const side SIDE = { .precision = PRECISION, .guarded = KELLY_GUARD, .engine = engine, .run = run_engine, .advance = advance, .problem = make_problem, .trace = trace };

@@ -75,8 +75,8 @@ void count_steps(const side *s, unsigned engine)
             }
         }
         fclose(out);
-        record("steps", "\"engine\": \"%s\", \"real\": \"%s\", \"vectors\": %u, \"width\": %u, \"hits\": {%s}", name, s->precision,
-               lanes / width, width, text);
+        record("steps", "\"engine\": \"%s\", \"real\": \"%s\", \"guarded\": %s, \"vectors\": %u, \"width\": %u, \"hits\": {%s}", name, s->precision,
+               s->guarded ? "true" : "false", lanes / width, width, text);
         free(text);
     }
     free(hits);
