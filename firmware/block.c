@@ -160,14 +160,14 @@ static void first_speeds(kelly_block *block, unsigned v)
         for (unsigned i = 1; i < block->modes; i++) {
             add_m(&sum, outputs_m(&block->mode[v][i]));
         }
-        stage_speeds_m(&block->lane[v], &sum, block->al, block->be);
+        stage_speeds_m(&block->lane[v], &sum, block->al, block->be, &block->lane[v].guard);
     } else {
         sums_s sum = outputs_s(&block->slow[v][0]);
 
         for (unsigned i = 1; i < block->modes; i++) {
             add_s(&sum, outputs_s(&block->slow[v][i]));
         }
-        stage_speeds_s(&block->lane[v], &sum, block->al, block->be);
+        stage_speeds_s(&block->lane[v], &sum, block->al, block->be, &block->lane[v].guard);
     }
 }
 
@@ -226,10 +226,10 @@ void kelly_block_watch(kelly_block *block)
 {
     for (unsigned v = 0; v < KELLY_VECTORS; v++) {
         kelly_lane *const on = &block->lane[v];
-        const vbits was = vbits_of(on->lowest) ^ vbits_of(on->highest);
 
+        vguard(&on->guard, vbits_of(on->lowest) ^ vbits_of(on->highest));
         watch(on);
-        vguard(&on->guard, was, vbits_of(on->lowest) ^ vbits_of(on->highest));
+        vguard(&on->guard, vbits_of(on->lowest) ^ vbits_of(on->highest));
     }
 }
 

@@ -53,14 +53,14 @@ KELLY_INLINE vreal sine_after(const kelly_driven_lane *on, vreal a)
     return on->sine + (on->cosine * sine - on->sine * versine);
 }
 
-KELLY_INLINE void turn(kelly_driven_lane *on, vreal a)
+KELLY_INLINE void turn(kelly_driven_lane *on, vreal a, vbits *changed)
 {
-    const vreal s = on->sine, c = on->cosine;
+    const vreal s = vtake(&on->sine, changed), c = vtake(&on->cosine, changed);
     vreal sine, versine;
 
     small_angle(a, &sine, &versine);
-    on->sine = s + (c * sine - s * versine);
-    on->cosine = c - (s * sine + c * versine);
+    vput(&on->sine, s + (c * sine - s * versine), changed);
+    vput(&on->cosine, c - (s * sine + c * versine), changed);
 }
 
 /* Torque of the bit and slope of the top. */
@@ -136,7 +136,7 @@ KELLY_SHARED impulses impulses_of(vreal f1, vreal f2, vreal f3, vreal f4, real h
 }
 
 /* (v, x) <- (v, x) + D (v, x) + the impulses, by Horner's rule in A. */
-KELLY_INLINE void move(kelly_driven_mode *m, const impulses *t, const impulses *u, vbits *guard)
+KELLY_INLINE void move(kelly_driven_mode *m, const impulses *t, const impulses *u)
 {
     const vreal s0 = t->s0 - m->r * u->s0, s1 = t->s1 - m->r * u->s1, s2 = t->s2 - m->r * u->s2, s3 = t->s3 - m->r * u->s3;
     const vreal z = s2 - m->c * s3, x1 = (s1 - m->c * z) - m->w * s3, v1 = (s0 - m->c * x1) - m->w * z;
@@ -144,8 +144,6 @@ KELLY_INLINE void move(kelly_driven_mode *m, const impulses *t, const impulses *
 
     m->v = v + ((m->d00 * v + m->d01 * x) + v1);
     m->x = x + ((m->d10 * v + m->d11 * x) + x1);
-    vguard(guard, vbits_of(v), vbits_of(m->v));
-    vguard(guard, vbits_of(x), vbits_of(m->x));
 }
 
 KELLY_INLINE void add_outputs(sums *sum, const kelly_driven_mode *m)
@@ -166,31 +164,34 @@ KELLY_INLINE void add_outputs(sums *sum, const kelly_driven_mode *m)
 }
 
 /* An output at the four stages from its value and its first three derivatives. */
-KELLY_SHARED void stages_of(vreal at[4], vreal o0, vreal o1, vreal o2, vreal o3)
+KELLY_SHARED void stages_of(vreal at[4], vreal o0, vreal o1, vreal o2, vreal o3, vbits *guard)
 {
-    at[0] = o0;
-    at[1] = o0 + R(0.5) * o1;
-    at[2] = at[1] + R(0.25) * o2;
-    at[3] = (o0 + o1) + (R(0.5) * o2 + R(0.25) * o3);
+    const vreal second = o0 + R(0.5) * o1;
+
+    vput(&at[0], o0, guard);
+    vput(&at[1], second, guard);
+    vput(&at[2], second + R(0.25) * o2, guard);
+    vput(&at[3], (o0 + o1) + (R(0.5) * o2 + R(0.25) * o3), guard);
 }
 
 /* What the next step starts from, out of the sums. */
-KELLY_SHARED void look_ahead(kelly_driven_lane *on, const sums *sum, real be)
+KELLY_SHARED void look_ahead(kelly_driven_lane *on, const sums *sum, real be, vbits *guard)
 {
-    stages_of(on->y.at, sum->y0, sum->y1, sum->y2, sum->y3);
-    stages_of(on->p.at, sum->p0 + be * sum->p1, sum->p1 + be * sum->p2, sum->p2 + be * sum->p3, sum->p3 + be * sum->p4);
-    on->speed = (on->w_ref + on->eta) + on->y.at[0];
+    stages_of(on->y.at, sum->y0, sum->y1, sum->y2, sum->y3, guard);
+    stages_of(on->p.at, sum->p0 + be * sum->p1, sum->p1 + be * sum->p2, sum->p2 + be * sum->p3, sum->p3 + be * sum->p4, guard);
+    vput(&on->speed, (on->w_ref + on->eta) + sum->y0, guard);
 }
 
 /* RK4 of the top itself. */
-KELLY_INLINE void move_top(kelly_driven_lane *on, const stage s[4], real h)
+KELLY_INLINE void move_top(kelly_driven_lane *on, const stage s[4], real h, vbits *guard)
 {
     const real sixth = h / R(6.0);
     const vreal gained = sixth * ((s[0].eta + s[3].eta) + R(2.0) * (s[1].eta + s[2].eta));
+    const vreal phi = vtake(&on->phi, guard), eta = vtake(&on->eta, guard);
 
-    turn(on, h * on->w_ref + gained);
-    on->phi = on->phi + (gained - h * on->counted);
-    on->eta = on->eta + sixth * ((s[0].slope + s[3].slope) + R(2.0) * (s[1].slope + s[2].slope));
+    turn(on, h * on->w_ref + gained, guard);
+    vput(&on->phi, phi + (gained - h * on->counted), guard);
+    vput(&on->eta, eta + sixth * ((s[0].slope + s[3].slope) + R(2.0) * (s[1].slope + s[2].slope)), guard);
     for (unsigned k = 0; k < 4; k++) {
         on->sines[k] = s[k].sine;
     }
@@ -200,23 +201,31 @@ KELLY_INLINE void finish(kelly_driven_lane *on, kelly_driven_mode *mode, unsigne
 {
     const impulses t = impulses_of(s[0].t, s[1].t, s[2].t, s[3].t, h), u = impulses_of(s[0].u, s[1].u, s[2].u, s[3].u, h);
     sums sum = { .y0 = vsplat(0) };
-    vbits changed = kelly_driven_held(on);      /* before anything of it is overwritten */
+    vbits changed = { 0 };
+    vreal lowest, highest;
 
+    for (unsigned k = 0; k < 4; k++) {
+        (void)vtake(&on->y.at[k], &changed);
+        (void)vtake(&on->p.at[k], &changed);
+    }
+    (void)vtake(&on->speed, &changed);
     for (unsigned i = 0; i < modes; i++) {
         kelly_driven_mode now = mode[i];
 
-        now.v = vread(&mode[i].v);
-        now.x = vread(&mode[i].x);
-        move(&now, &t, &u, &changed);
-        vwrite(&mode[i].v, now.v);
-        vwrite(&mode[i].x, now.x);
+        now.v = vtake(&mode[i].v, &changed);
+        now.x = vtake(&mode[i].x, &changed);
+        move(&now, &t, &u);
+        vput(&mode[i].v, now.v, &changed);
+        vput(&mode[i].x, now.x, &changed);
         add_outputs(&sum, &now);
     }
-    move_top(on, s, h);
-    look_ahead(on, &sum, be);
-    on->lowest = vmin(on->speed, on->lowest);
-    on->highest = vmax(on->speed, on->highest);
-    vguard(&on->guard, changed, kelly_driven_held(on));
+    move_top(on, s, h, &changed);
+    look_ahead(on, &sum, be, &changed);
+    lowest = vtake(&on->lowest, &changed);
+    highest = vtake(&on->highest, &changed);
+    vput(&on->lowest, vmin(on->speed, lowest), &changed);
+    vput(&on->highest, vmax(on->speed, highest), &changed);
+    vguard(&on->guard, changed);
 }
 
 /* Advance `vectors` vectors, a compile-time constant, stage by stage, as in integrator.c. */
@@ -226,16 +235,8 @@ KELLY_INLINE void steps(kelly_driven *driven, uint32_t ticks, const unsigned vec
 
     for (; ticks > 0; ticks--) {
         stage at[KELLY_VECTORS][4];
-#if KELLY_ON_COPY
-        kelly_driven_lane on[KELLY_VECTORS];
-
-        UNROLL
-        for (unsigned v = 0; v < vectors; v++) {
-            on[v] = *(const volatile kelly_driven_lane *)&driven->lane[v];
-        }
-#else
         kelly_driven_lane *const on = driven->lane;
-#endif
+
         UNROLL
         for (unsigned v = 0; v < vectors; v++) {
             first(&on[v], &at[v][0], alpha);
@@ -255,9 +256,6 @@ KELLY_INLINE void steps(kelly_driven *driven, uint32_t ticks, const unsigned vec
         UNROLL
         for (unsigned v = 0; v < vectors; v++) {
             finish(&on[v], driven->mode[v], driven->modes, at[v], h, driven->be);
-#if KELLY_ON_COPY
-            *(volatile kelly_driven_lane *)&driven->lane[v] = on[v];
-#endif
         }
     }
 }
@@ -285,7 +283,7 @@ void kelly_driven_outputs(kelly_driven *driven, unsigned lane)
     for (unsigned i = 0; i < driven->modes; i++) {
         add_outputs(&sum, &driven->mode[vector][i]);
     }
-    look_ahead(&driven->lane[vector], &sum, driven->be);
+    look_ahead(&driven->lane[vector], &sum, driven->be, &driven->lane[vector].guard);
 }
 
 /* A commanded top's phi goes into the integer phase, where it does not grow; the drive's is its integral, and stays. */
@@ -300,15 +298,15 @@ void kelly_driven_resync(kelly_driven *driven, unsigned lane)
     kelly_driven_lane *const on = &driven->lane[lane / KELLY_WIDTH];
     const unsigned l = lane % KELLY_WIDTH;
     const uint64_t phase = phase_of(driven, lane);
-    const vbits was = vbits_of(on->sine) ^ vbits_of(on->cosine) ^ vbits_of(on->phi);
 
+    vguard_lane(&on->guard, l, vbits_of(on->sine) ^ vbits_of(on->cosine) ^ vbits_of(on->phi));
     LANE(on->sine, l) = kelly_sin_turn(phase);
     LANE(on->cosine, l) = kelly_sin_turn(phase + QUARTER_TURN);
     if (!(LANE(on->gain, l) > 0)) {
         kelly_driven_put_phase(driven, lane, phase);
         LANE(on->phi, l) = 0;
     }
-    vguard(&on->guard, was, vbits_of(on->sine) ^ vbits_of(on->cosine) ^ vbits_of(on->phi));
+    vguard_lane(&on->guard, l, vbits_of(on->sine) ^ vbits_of(on->cosine) ^ vbits_of(on->phi));
 }
 
 /* Whether sine or cosine is further from that of theta_top than rounding leads. A NaN in them would not be seen otherwise. */

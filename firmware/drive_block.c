@@ -162,12 +162,12 @@ static void count_from_here(kelly_driven *driven, unsigned lane)
 {
     kelly_driven_lane *const on = &driven->lane[lane / KELLY_WIDTH];
     const unsigned l = lane % KELLY_WIDTH;
-    const vbits was = vbits_of(on->phi);
 
     kelly_driven_put_phase(driven, lane, driven->phase[lane] + kelly_turns(LANE(on->phi, l), 1000000000u));
     driven->phase_step[lane] = kelly_turns(LANE(on->w_ref, l) + LANE(on->eta, l), driven->step_ns);
+    vguard_lane(&on->guard, l, vbits_of(on->phi));
     LANE(on->phi, l) = 0;
-    vguard(&on->guard, was, vbits_of(on->phi));
+    vguard_lane(&on->guard, l, vbits_of(on->phi));
     LANE(on->counted, l) = LANE(on->eta, l);
 }
 
@@ -181,11 +181,11 @@ void kelly_driven_adjust(kelly_driven *driven, unsigned lane, real top_speed)
 {
     kelly_driven_lane *const on = &driven->lane[lane / KELLY_WIDTH];
     const unsigned l = lane % KELLY_WIDTH;
-    const vbits was = vbits_of(on->eta) ^ vbits_of(on->speed);
 
+    vguard_lane(&on->guard, l, vbits_of(on->eta) ^ vbits_of(on->speed));
     LANE(on->eta, l) = top_speed - LANE(on->w_ref, l);
     LANE(on->speed, l) = (LANE(on->w_ref, l) + LANE(on->eta, l)) + LANE(on->y.at[0], l);
-    vguard(&on->guard, was, vbits_of(on->eta) ^ vbits_of(on->speed));
+    vguard_lane(&on->guard, l, vbits_of(on->eta) ^ vbits_of(on->speed));
 }
 
 void kelly_driven_hold(kelly_driven *driven, unsigned lane, real top_speed)
@@ -199,11 +199,11 @@ void kelly_driven_watch(kelly_driven *driven)
 {
     for (unsigned v = 0; v < KELLY_VECTORS; v++) {
         kelly_driven_lane *const on = &driven->lane[v];
-        const vbits was = vbits_of(on->lowest) ^ vbits_of(on->highest);
 
+        vguard(&on->guard, vbits_of(on->lowest) ^ vbits_of(on->highest));
         on->lowest = on->speed;
         on->highest = on->speed;
-        vguard(&on->guard, was, vbits_of(on->lowest) ^ vbits_of(on->highest));
+        vguard(&on->guard, vbits_of(on->lowest) ^ vbits_of(on->highest));
     }
 }
 

@@ -36,38 +36,37 @@ KELLY_INLINE void add_m(sums_m *sum, sums_m one)
 KELLY_INLINE sums_m move_m(kelly_mode *mode, const inputs_m *in, vbits *guard)
 {
     kelly_mode now = *mode;
-    const vreal xi = vread(&mode->xi), zeta = vread(&mode->zeta);
+    const vreal xi = vtake(&mode->xi, guard), zeta = vtake(&mode->zeta, guard);
 
     now.xi = xi + ((now.d00 * xi + now.d01 * zeta) + (in->s0 + now.w4 * (in->e1 + now.w4 * in->e2)));
     now.zeta = zeta + ((now.d10 * xi + now.d11 * zeta) + (in->e4 + now.w4 * in->e3));
-    vguard(guard, vbits_of(xi), vbits_of(now.xi));
-    vguard(guard, vbits_of(zeta), vbits_of(now.zeta));
-    vwrite(&mode->xi, now.xi);
-    vwrite(&mode->zeta, now.zeta);
+    vput(&mode->xi, now.xi, guard);
+    vput(&mode->zeta, now.zeta, guard);
     return outputs_m(&now);
 }
 
 /* Stage speeds of the next step, torque-free, from the sums: v, v + v'/2, v + v'/2 + v''/4, v + v' + v''/2 + v'''/4. */
-KELLY_INLINE void stage_speeds_m(kelly_lane *lane, const sums_m *sum, real al, real be)
+KELLY_INLINE void stage_speeds_m(kelly_lane *lane, const sums_m *sum, real al, real be, vbits *guard)
 {
     const real b4 = R(4.0) * be, wz = R(2.0) * (al * be - R(1.0)), two = R(2.0) - al;
     const vreal n = sum->wx + R(0.5) * al * sum->z;                    /* -v'' / 4 */
+    const vreal y1 = (lane->w0 + sum->x) - R(2.0) * be * sum->z, y2 = y1 + sum->z;
 
-    lane->y1 = (lane->w0 + sum->x) - R(2.0) * be * sum->z;
-    lane->y2 = lane->y1 + sum->z;
-    lane->y3 = lane->y2 - n;
-    lane->y4 = (lane->y2 + sum->z) + ((b4 * sum->wwx + wz * sum->wz) - two * n);
+    vput(&lane->y1, y1, guard);
+    vput(&lane->y2, y2, guard);
+    vput(&lane->y3, y2 - n, guard);
+    vput(&lane->y4, (y2 + sum->z) + ((b4 * sum->wwx + wz * sum->wz) - two * n), guard);
 }
 
-KELLY_INLINE inputs_m inputs_of_m(const kelly_lane *on, const stages *at, real al, real be)
+KELLY_INLINE inputs_m inputs_of_m(vreal t1, const stages *at, real al, real be)
 {
-    const vreal t12 = on->t1 + at->t2, t23 = at->t2 + at->t3, sum = on->t1 + t23;
+    const vreal t12 = t1 + at->t2, t23 = at->t2 + at->t3, sum = t1 + t23;
     inputs_m in;
 
     in.s0 = sum + (t23 + at->t4);
-    in.e1 = al * on->t1 - (t12 + t12);
-    in.e2 = R(4.0) * be * on->t1;
-    in.e3 = (al * be - R(1.0)) * on->t1;
+    in.e1 = al * t1 - (t12 + t12);
+    in.e2 = R(4.0) * be * t1;
+    in.e3 = (al * be - R(1.0)) * t1;
     in.e4 = (sum - be * in.s0) + R(0.25) * al * in.e1;
     return in;
 }
@@ -75,14 +74,14 @@ KELLY_INLINE inputs_m inputs_of_m(const kelly_lane *on, const stages *at, real a
 /* The modes under the four torques, and the stage speeds of the next step. */
 KELLY_INLINE void finish_m(kelly_lane *on, kelly_mode *mode, unsigned modes, const stages *at, real al, real be, vbits *changed)
 {
-    const inputs_m in = inputs_of_m(on, at, al, be);
+    const inputs_m in = inputs_of_m(vtake(&on->t1, changed), at, al, be);
     const kelly_mode *const end = mode + modes;
     sums_m sum = move_m(mode, &in, changed);
 
     while (++mode < end) {
         add_m(&sum, move_m(mode, &in, changed));
     }
-    stage_speeds_m(on, &sum, al, be);
+    stage_speeds_m(on, &sum, al, be, changed);
 }
 
 #endif

@@ -12,25 +12,27 @@
 #define UNROLL
 #endif
 
-KELLY_INLINE void watch(kelly_lane *on)
-{
-    on->lowest = vmin(on->y1, on->lowest);
-    on->highest = vmax(on->y1, on->highest);
-}
-
 /* Everything of a step that follows the fourth torque of a vector, its first torque of the next step included. */
 KELLY_INLINE void finish(kelly_block *block, unsigned v, kelly_lane *on, const stages *at, real al, real be, const int slow)
 {
-    vbits changed = moved(on);
+    vbits changed = { 0 };
+    vreal lowest, highest;
 
+    (void)vtake(&on->y1, &changed);
+    (void)vtake(&on->y2, &changed);
+    (void)vtake(&on->y3, &changed);
+    (void)vtake(&on->y4, &changed);
     if (slow) {
         finish_s(on, block->slow[v], block->modes, at, al, be, &changed);
     } else {
         finish_m(on, block->mode[v], block->modes, at, al, be, &changed);
     }
-    watch(on);
-    first_torque(on);
-    vguard(&on->guard, changed, moved(on));
+    lowest = vtake(&on->lowest, &changed);
+    highest = vtake(&on->highest, &changed);
+    vput(&on->lowest, vmin(on->y1, lowest), &changed);
+    vput(&on->highest, vmax(on->y1, highest), &changed);
+    vput(&on->t1, first_torque(on), &changed);
+    vguard(&on->guard, changed);
 }
 
 /* The second, third or fourth torque of a vector. */
@@ -52,34 +54,20 @@ KELLY_INLINE void side_by_side(kelly_block *block, uint32_t ticks, const unsigne
     stages at[KELLY_VECTORS];
 
     for (; ticks > 0; ticks--) {
-#if KELLY_ON_COPY
-        kelly_lane on[KELLY_VECTORS];
-
-        UNROLL
-        for (unsigned v = 0; v < vectors; v++) {
-            take(&on[v], &block->lane[v]);
-        }
-#else
-        kelly_lane *const on = block->lane;
-#endif
         UNROLL
         for (unsigned stage = 2; stage <= 4; stage++) {
             UNROLL
             for (unsigned v = 0; v < vectors; v++) {
-                torque(&on[v], &at[v], stage);
+                torque(&block->lane[v], &at[v], stage);
             }
         }
         UNROLL
         for (unsigned v = 0; v < vectors; v++) {
-            finish(block, v, &on[v], &at[v], al, be, slow);
-#if KELLY_ON_COPY
-            put_back(&block->lane[v], &on[v]);
-#endif
+            finish(block, v, &block->lane[v], &at[v], al, be, slow);
         }
     }
 }
 
-#if !KELLY_ON_COPY
 /* The same for four and more. One torque is a chain of some 60 cycles and needs the one before it, so the vectors are at different
  * stages: while one is finished, the next three are one, two and three torques behind, and no chain waits for another. */
 KELLY_INLINE void in_turns(kelly_block *block, uint32_t ticks, const unsigned vectors, const int slow)
@@ -107,16 +95,11 @@ KELLY_INLINE void in_turns(kelly_block *block, uint32_t ticks, const unsigned ve
         }
     }
 }
-#endif
 
 /* One loop for each number of vectors in use, so that the compiler can keep them all in flight. */
 static void advance(kelly_block *block, uint32_t ticks)
 {
-#if KELLY_ON_COPY
-#define STEPS(n) side_by_side
-#else
 #define STEPS(n) ((n) < 4 ? side_by_side : in_turns)
-#endif
 #define WITH(n) \
     case n: \
         if (ALWAYS_FULL || block->full) { \
@@ -142,13 +125,13 @@ void kelly_block_resync(kelly_block *block, unsigned lane)
     const unsigned l = lane % KELLY_WIDTH;
     const real swing = LANE(out->muf_swing, l), wave = swing * kelly_sin_turn(phase);
     const real muf = LANE(out->muf_mean, l) + wave;
-    const vbits was = weighed(out) ^ vbits_of(out->t1);
 
+    vguard_lane(&out->guard, l, weighed(out) ^ vbits_of(out->t1));
     LANE(out->wave, l) = wave;
     LANE(out->dwave, l) = swing * (2 * kelly_sin_turn(phase + step / 2 + QUARTER_TURN) * kelly_sin_turn(step / 2));
     LANE(out->muf, l) = muf < 0 ? muf : 0;
-    first_torque(out);
-    vguard(&out->guard, was, weighed(out) ^ vbits_of(out->t1));
+    out->t1 = first_torque(out);
+    vguard_lane(&out->guard, l, weighed(out) ^ vbits_of(out->t1));
 }
 
 void kelly_block_advance(kelly_block *block, uint32_t ticks)

@@ -25,9 +25,6 @@
 #define KELLY_GUARD 1
 #endif
 
-/* Whether a step works on a copy of what a lane holds, read and written once: where one lane is all, and registers hold it. */
-#define KELLY_ON_COPY (KELLY_GUARD && KELLY_WIDTH == 1)
-
 /* with(1) .. with(KELLY_VECTORS): a case of a switch for each number of vectors in use, 8 at the most. */
 #define KELLY_UP_TO_1(with) with(1)
 #define KELLY_UP_TO_2(with) KELLY_UP_TO_1(with) with(2)
@@ -130,16 +127,32 @@ KELLY_INLINE int vsame(vbits a, vbits b)
     return 1;
 }
 
-/* Out of a guard go the bits of what was, into it those of what is in its place. Memory is read once and written once, so that these
- * are the numbers which are computed with, and no copy of them or a second look. */
+/* A number of the state is taken out of the guard by the read that its last use is of, or a later one, and put into it as it is written: a
+ * look at what the compiler has in a register would see no change of the memory that is read. */
 #if KELLY_GUARD
-KELLY_INLINE void vguard(vbits *guard, vbits was, vbits is) { *guard = *guard ^ (was ^ is); }
-#define vread(at) (*(const volatile vreal *)(at))
-#define vwrite(at, x) (*(volatile vreal *)(at) = (x))
+KELLY_INLINE void vguard(vbits *guard, vbits bits) { *guard = *guard ^ bits; }
+
+/* What only one lane has. */
+KELLY_INLINE void vguard_lane(vbits *guard, unsigned l, vbits bits) { LANE(*guard, l) = LANE(*guard, l) ^ LANE(bits, l); }
+
+KELLY_INLINE vreal vtake(const vreal *at, vbits *guard)
+{
+    const vreal x = *(const volatile vreal *)at;
+
+    vguard(guard, vbits_of(x));
+    return x;
+}
+
+KELLY_INLINE void vput(vreal *at, vreal x, vbits *guard)
+{
+    vguard(guard, vbits_of(x));
+    *(volatile vreal *)at = x;
+}
 #else
-KELLY_INLINE void vguard(vbits *guard, vbits was, vbits is) { (void)guard, (void)was, (void)is; }
-#define vread(at) (*(at))                /* no pointer: gcc knows that no other member of a struct has changed */
-#define vwrite(at, x) (*(at) = (x))
+KELLY_INLINE void vguard(vbits *guard, vbits bits) { (void)guard, (void)bits; }
+KELLY_INLINE void vguard_lane(vbits *guard, unsigned l, vbits bits) { (void)guard, (void)l, (void)bits; }
+#define vtake(at, guard) ((void)(guard), *(at))      /* no pointer: gcc knows that no other member of a struct has changed */
+#define vput(at, x, guard) ((void)(guard), (void)(*(at) = (x)))
 #endif
 
 /* x held within -limit .. limit. One lane asks the usual question first: it is seldom beyond. */

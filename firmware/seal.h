@@ -4,9 +4,10 @@
  * gives another sum, since every word goes in times an odd number (a power of KELLY_SEAL_FACTOR) modulo 2^32; other changes do with
  * probability 1 - 2^-32. It never leaves the machine, so bytes go in as they lie. Cost: one multiply-add a word.
  *
- * Guard: over the state, the exclusive or of its bits. What a step writes goes into it, and what a step has read goes out, after its last
- * use and before it is overwritten: between two steps it is that of the state, and a bit that has flipped since a write stays in it for good
- * and is seen at the next look. One that flips between the last use and the write is written over. Registers and stack are not guarded.
+ * Guard: over the state, the exclusive or of its bits. What a step writes goes into it; out of it goes, before it is overwritten, what the
+ * last read of a number finds, which its last use is of or precedes (lanes.h): between two steps it is that of the state, and a bit that has
+ * flipped since a write stays in it for good and is seen at the next look. One that flips after the last read is written over. Registers and
+ * stack are not guarded.
  * Cost: 18 % more cycles on a Cortex-M4F, a tenth to a fifth of the speed of a vector unit; -DKELLY_GUARD=0 (lanes.h) builds without.
  */
 #ifndef KELLY_SEAL_H

@@ -227,7 +227,7 @@ int main(int argc, char **argv)
         uint32_t first;
     } cases[] = { { R(0.04), 0, 10, 0 }, { R(0.004), 0, 10, 40 }, { R(0.01), 0, 20, 3 }, { R(0.004), 1, 10, 40 } };
     const uint32_t flips = (argc > 1 ? (uint32_t)atoi(argv[1]) : 4000u) / 4;
-    tally table = { 0 }, coefficients = { 0 }, counts = { 0 }, state = { 0 }, far = { 0 }, small = { 0 }, instant = { 0 };
+    tally table = { 0 }, coefficients = { 0 }, counts = { 0 }, state = { 0 }, far = { 0 }, small = { 0 }, instant = { 0 }, within = { 0 };
     uint32_t most = 0;
 
     kelly_rng_key(&rng, 20261127, 0, 0);
@@ -247,7 +247,11 @@ int main(int argc, char **argv)
         }
         numbers_in_state(&far, &small, cases[c].soft, KELLY_WIDTH == 1 ? 1 : 11);
         numbers_in_draws(cases[c].soft);
+        for (lanes = KELLY_WIDTH; KELLY_GUARD && lanes <= KELLY_LANES; lanes += KELLY_VECTORS > 1 ? KELLY_LANES - KELLY_WIDTH : 1u) {
+            flips_within_steps(&within, cases[c].soft, flips / 100);       /* one vector, and all of them in turns */
+        }
     }
+    lanes = KELLY_WIDTH;
     numbers_in_case();
     numbers_in_commands();
     for (int top = 0; top < 3 && KELLY_WIDTH == 1; top++) {               /* its library has plants of one lane */
@@ -259,6 +263,7 @@ int main(int argc, char **argv)
     say("the state, bits", &state);
     if (KELLY_GUARD) {
         say("the state, bits, at any instruction of a step", &instant);
+        say("each number of the state, a bit, at any instruction of a few steps", &within);
     }
     say("the state, set to NaN, Inf, 1e38", &far);
     say("the state, set to a denormal, 0, the other sign", &small);
@@ -270,6 +275,8 @@ int main(int argc, char **argv)
     EQUAL(counts.alone[DETECTED], counts.flips);
     none_silent(KELLY_GUARD ? state.alone : state.twice);
     none_silent(instant.alone);
+    none_silent(within.alone);
+    CHECK(!KELLY_GUARD || within.alone[DETECTED] > within.flips / 4);
     none_silent(KELLY_GUARD ? far.alone : far.twice);
     none_silent(KELLY_GUARD ? small.alone : small.twice);
     EQUAL(KELLY_GUARD ? state.alone[DETECTED] : state.flips, state.flips);

@@ -61,6 +61,7 @@ void flips_in_block(tally *t, void (*add_places)(int soft), int soft, uint32_t f
 unsigned outcome_of_child(int status);
 
 /* host_faults_instant.c */
+void flips_within_steps(tally *t, int soft, uint32_t each);
 void flips_at_any_instant(tally *t, void (*add_places)(int soft), int soft, uint32_t flips);
 
 /* host_faults_state.c */

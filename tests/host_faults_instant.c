@@ -9,6 +9,7 @@
 
 #include "host_faults.h"
 
+#define WITHIN_STEPS 1200u       /* of each vector: some two steps */
 #define INSTRUCTIONS 3000u       /* some five steps of a stiff drive, three of a soft one */
 
 static void stop_here(void *of)
@@ -35,16 +36,48 @@ static int poke(pid_t child, const site *s, unsigned bit)
     return ptrace(PTRACE_POKEDATA, child, word, value) == 0;
 }
 
+/* What becomes of the results of a block that is struck after so many steps. */
+static unsigned to_the_end(int soft, uint32_t tick)
+{
+    (void)soft;
+    run_struck(&kelly_string, tick, stop_here, 0);
+    return worst(results);
+}
+
+/* What becomes of the state itself in the next few steps. */
+#define FEW 6u
+static kelly_work wanted;
+
+static void few_steps(int soft, uint32_t tick, void (*strike)(void *))
+{
+    kelly_run_begin(&kelly_string, &run, 7, first, lanes, results, &work);
+    (void)kelly_run_advance(&kelly_string, &run, lanes, results, &work, tick);
+    strike(0);
+    if (soft) {
+        kelly_driven_advance(&work.driven, FEW);
+    } else {
+        kelly_block_advance(&work.block, FEW);
+    }
+}
+
+static unsigned for_a_few_steps(int soft, uint32_t tick)
+{
+    few_steps(soft, tick, stop_here);
+    if (!(soft ? kelly_driven_untouched(&work.driven) : kelly_block_untouched(&work.block))) {
+        return DETECTED;
+    }
+    return memcmp(&work, &wanted, sizeof(work)) == 0 ? SAME : WRONG;
+}
+
 /* The child's outcome, struck after so many instructions. */
-static unsigned struck_within(uint32_t tick, uint32_t instructions, const site *s, unsigned bit)
+static unsigned struck_within(unsigned (*steps)(int soft, uint32_t tick), int soft, uint32_t tick, uint32_t instructions, const site *s, unsigned bit)
 {
     int good, status = 0;
     const pid_t child = fork();
 
     if (child == 0) {
         (void)ptrace(PTRACE_TRACEME, 0, 0, 0);
-        run_struck(&kelly_string, tick, stop_here, 0);
-        _exit(OF_OURS + (int)worst(results));
+        _exit(OF_OURS + (int)steps(soft, tick));
     }
     good = child > 0 && stopped(child);
     for (uint32_t k = 0; good && k < instructions; k++) {
@@ -53,6 +86,29 @@ static unsigned struck_within(uint32_t tick, uint32_t instructions, const site *
     good = good && poke(child, s, bit) && ptrace(PTRACE_CONT, child, 0, 0) == 0 && waitpid(child, &status, 0) == child;
     CHECK(good && WIFEXITED(status));
     return outcome_of_child(status);
+}
+
+static void leave(void *of)
+{
+    (void)of;
+}
+
+/* One vector: each number of the state of its first lane, `each` times. Several, at different stages: as often, any number. */
+void flips_within_steps(tally *t, int soft, uint32_t each)
+{
+    const uint32_t tick = KELLY_RESYNC - FEW / 2, vectors = lanes / KELLY_WIDTH;
+
+    run = base;
+    few_steps(soft, tick, leave);
+    memcpy(&wanted, &work, sizeof(work));
+    site_count = 0;
+    motion_places(soft);
+    for (uint32_t i = 0; i < each * (site_count / lanes); i++) {
+        const site *const s = &sites[vectors > 1 ? below(site_count) : i * KELLY_WIDTH % site_count];
+
+        t->flips++;
+        t->alone[struck_within(for_a_few_steps, soft, tick, below(WITHIN_STEPS * vectors), s, below(8 * s->bytes))]++;
+    }
 }
 
 void flips_at_any_instant(tally *t, void (*add_places)(int soft), int soft, uint32_t flips)
@@ -65,6 +121,6 @@ void flips_at_any_instant(tally *t, void (*add_places)(int soft), int soft, uint
         const uint32_t tick = below(TICKS - 100) + 1, instructions = below(INSTRUCTIONS);
 
         t->flips++;
-        t->alone[struck_within(tick, instructions, s, below(8 * s->bytes))]++;
+        t->alone[struck_within(to_the_end, soft, tick, instructions, s, below(8 * s->bytes))]++;
     }
 }
