@@ -166,11 +166,11 @@ KELLY_INLINE void add_outputs(sums *sum, const kelly_driven_mode *m)
 /* An output at the four stages from its value and its first three derivatives. */
 KELLY_SHARED void stages_of(vreal at[4], vreal o0, vreal o1, vreal o2, vreal o3, vbits *guard)
 {
-    const vreal second = o0 + R(0.5) * o1;
+    const vreal midway = o0 + R(0.5) * o1;
 
     vput(&at[0], o0, guard);
-    vput(&at[1], second, guard);
-    vput(&at[2], second + R(0.25) * o2, guard);
+    vput(&at[1], midway, guard);
+    vput(&at[2], midway + R(0.25) * o2, guard);
     vput(&at[3], (o0 + o1) + (R(0.5) * o2 + R(0.25) * o3), guard);
 }
 
