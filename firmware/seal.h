@@ -8,7 +8,7 @@
  * last read of a number finds, which its last use is of or precedes (lanes.h): between two steps it is that of the state, and a bit that has
  * flipped since a write stays in it for good and is seen at the next look. One that flips after the last read is written over. Registers and
  * stack are not guarded.
- * Cost: 18 % more cycles on a Cortex-M4F, a tenth to a fifth of the speed of a vector unit; -DKELLY_GUARD=0 (lanes.h) builds without.
+ * Cost: 15 % more cycles on a Cortex-M4F, a tenth to a quarter of the speed of a vector unit; -DKELLY_GUARD=0 (lanes.h) builds without.
  */
 #ifndef KELLY_SEAL_H
 #define KELLY_SEAL_H
