@@ -248,7 +248,7 @@ int main(int argc, char **argv)
         numbers_in_state(&far, &small, cases[c].soft, KELLY_WIDTH == 1 ? 1 : 11);
         numbers_in_draws(cases[c].soft);
         for (lanes = KELLY_WIDTH; KELLY_GUARD && lanes <= KELLY_LANES; lanes += KELLY_VECTORS > 1 ? KELLY_LANES - KELLY_WIDTH : 1u) {
-            flips_within_steps(&within, cases[c].soft, flips / 100);       /* one vector, and all of them in turns */
+            flips_within_steps(&within, cases[c].soft, flips < 1000 ? flips / 100 : 10);       /* one vector, and all of them in turns */
         }
     }
     lanes = KELLY_WIDTH;
