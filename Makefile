@@ -158,7 +158,7 @@ unit_objects := $(patsubst tests/%.c,$(dir)/tests/%.o,tests/main.c tests/check.c
 engine_objects := $(dir)/host/engine.o $(dir)/host/files.o
 fault_files := host_faults host_faults_state host_faults_table host_faults_instant
 
-unit: $(dir)/unit $(dir)/lanes $(dir)/accuracy $(dir)/app-unit $(dir)/drive-numbers $(dir)/faults $(dir)/faults-lanes $(dir)/random-stream
+unit: $(dir)/unit $(dir)/lanes $(dir)/accuracy $(dir)/app-unit $(dir)/drive-numbers $(dir)/faults $(engines:%=$(dir)/faults-%) $(dir)/random-stream
 
 app_files := $(filter-out device estimate,$(patsubst firmware/app/%.c,%,$(wildcard firmware/app/*.c)))
 $(dir)/app-unit: $(dir)/tests/host_app.o $(dir)/tests/check.o $(app_files:%=$(dir)/app/%.o) $(library) $(table_objects)
@@ -170,8 +170,6 @@ $(dir)/lanes: $(dir)/tests/host_lanes.o $(dir)/tests/check.o $(engine_objects) $
 $(dir)/drive-numbers: $(dir)/tests/host_drive.o $(library) $(table_objects)
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -o $@
 $(dir)/faults: $(fault_files:%=$(dir)/tests/%.o) $(dir)/tests/check.o $(engine_objects) $(library) $(table_objects)
-	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -o $@
-$(dir)/faults-lanes: $(fault_files:%=$(dir)/$(firstword $(engines))/tests/%.o) $(dir)/tests/check.o $(engine_objects) $(library) $(table_objects)
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -o $@
 $(dir)/accuracy: $(dir)/tests/host_accuracy.o $(dir)/detmath.o $(dir)/random.o
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -lm -o $@
@@ -189,11 +187,15 @@ $(dir)/tests/%.o: tests/%.c $(dir)/flags
 	@mkdir -p $(@D); echo 'CC $<' >&2
 	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) $(warnings) $(required) $(host_only) $(real_flag) -DCHECK_LONG=$(CHECK_LONG) -MMD -MP -c $< -o $@
 
-# A test that looks into the lanes of a vector unit.
-$(dir)/$(firstword $(engines))/tests/%.o: tests/%.c $(dir)/flags
-	@mkdir -p $(@D); echo 'CC $< for $(firstword $(engines))' >&2
-	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) $(warnings) $(required) $(filter-out -DKELLY_X86,$(host_only)) $(real_flag) $($(firstword $(engines))_flags) -DKELLY_ISA=$(firstword $(engines)) \
-	 -MMD -MP -c $< -o $@
+# The same faults in the lanes of each vector unit.
+define faults_rule
+$(dir)/faults-$(1): $(fault_files:%=$(dir)/$(1)/tests/%.o) $(dir)/tests/check.o $(engine_objects) $(library) $(table_objects)
+	$(Q)$$(CC) $$(CFLAGS) $$(LDFLAGS) $$(filter %.o,$$^) -o $$@
+$(dir)/$(1)/tests/%.o: tests/%.c $(dir)/flags
+	@mkdir -p $$(@D); echo 'CC $$< for $(1)' >&2
+	$(Q)$$(CC) $$(CPPFLAGS) $$(CFLAGS) $$(warnings) $$(required) $$(filter-out -DKELLY_X86,$$(host_only)) $$(real_flag) $$($(1)_flags) -DKELLY_ISA=$(1) -MMD -MP -c $$< -o $$@
+endef
+$(foreach e,$(engines),$(eval $(call faults_rule,$(e))))
 
 # ---- fuzzers: clang with its sanitisers, one lane; tests/check_fuzz.py runs them -------------------------------------
 

@@ -130,7 +130,9 @@ void kelly_block_resync(kelly_block *block, unsigned lane)
     LANE(out->wave, l) = wave;
     LANE(out->dwave, l) = swing * (2 * kelly_sin_turn(phase + step / 2 + QUARTER_TURN) * kelly_sin_turn(step / 2));
     LANE(out->muf, l) = muf < 0 ? muf : 0;
-    out->t1 = first_torque(out);
+    const vreal t1 = first_torque(out);
+
+    LANE(out->t1, l) = LANE(t1, l);      /* this lane's only: what has become of another's is not to be mended unseen */
     vguard_lane(&out->guard, l, weighed(out) ^ vbits_of(out->t1));
 }
 

@@ -35,6 +35,7 @@ DRIVERS = {
     "random": (["random", "detmath"], "-eva-precision 3 -eva-auto-loop-unroll 128 -eva-use-spec kelly_normal"),
     "torque": (["detmath"], "-eva-precision 0 -eva-slevel 20"),
     "step": (["integrator", "block", "detmath"], f"-eva-precision 1 -eva-slevel 30 -eva-auto-loop-unroll 24 -eva-use-spec {TORQUE},kelly_sin_turn"),
+    "turns": (["integrator", "block", "detmath"], f"-eva-precision 0 -eva-slevel 20 -eva-auto-loop-unroll 24 -eva-use-spec {TORQUE},kelly_sin_turn"),
     "driven": (["drive", "detmath"], f"-eva-precision 1 -eva-slevel 30 -eva-auto-loop-unroll 24 -eva-use-spec {UNFOLDED},kelly_sin_turn"),
     "load": (MODEL + ["block", "drive_block", "drive", "integrator", "seal"],
              "-eva-precision 0 -eva-slevel 6 -eva-min-loop-unroll 10 -eva-split-return full -eva-use-spec kelly_sin_turn,kelly_phase_step,kelly_block_resync"),
@@ -84,8 +85,8 @@ DRIVERS = {
               "-eva-precision 1 -eva-slevel 200 -eva-slevel-function kelly_plant_start:5000,kelly_plant_start_commanded:5000,prepare:5000,start:5000,use:2000 -eva-domains cvalue,equality,symbolic-locations -eva-auto-loop-unroll 24 -eva-split-return full "
               "-eva-use-spec kelly_sin_turn"),
 }
-# what each file under -include needs besides eva.h
-INCLUDED = {"step": ["torque.h"], "driven": ["torque.h"]}
+# what each file needs besides eva.h
+FLAGS = {"step": "-include torque.h", "turns": "-include torque.h -DKELLY_VECTORS=4", "driven": "-include torque.h"}
 
 # (file, functions of it, options): goals of WP, run-time errors included.
 WP = [("link/frame", "kelly_cobs", ""), ("app/out", "send_one,out_defer,out_pump,out_room,out_byte", "")]
@@ -142,10 +143,10 @@ def claim(holds, text):
     return holds
 
 
-def frama_c(root, directory, files, options, included=()):
+def frama_c(root, directory, files, options, flags=""):
     """-> everything that it prints"""
-    includes = f"-I{root}/firmware -I{root}/firmware/board" + "".join(f" -include {root}/tests/eva/{name}" for name in ["eva.h", *included])
-    command = ["frama-c", "-c11", "-machdep", "gcc_x86_64", f"-cpp-extra-args={includes}", "-kernel-warn-key", "parser:decimal-float=inactive"]
+    flags = f"-I{root}/firmware -I{root}/firmware/board -I{root}/tests/eva -include eva.h {flags}"
+    command = ["frama-c", "-c11", "-machdep", "gcc_x86_64", f"-cpp-extra-args={flags}", "-kernel-warn-key", "parser:decimal-float=inactive"]
     ran = subprocess.run(command + files + options, cwd=directory, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
     return ran.stdout.decode(errors="replace").replace(root + "/", "")
 
@@ -159,7 +160,7 @@ def eva(root, name, driver):
     shutil.copy(os.path.join(EVA, "eva_report.ml"), script)
     sources = [os.path.join(root, "tests", "eva", driver + ".c")] + [os.path.join(root, "firmware", f + ".c") for f in files]
     text = frama_c(root, directory, sources, ["-load-script", script, "-eva", "-eva-verbose", "0", "-kernel-verbose", "0", "-eva-no-print",
-                                              "-warn-special-float", "non-finite"] + options.split(), INCLUDED.get(driver, []))
+                                              "-warn-special-float", "non-finite"] + options.split(), FLAGS.get(driver, ""))
     with open(os.path.join(directory, "log.txt"), "w", encoding="utf-8") as file:
         file.write(text)
     return text.splitlines()
@@ -209,7 +210,7 @@ def wp(root, name, file, functions, options):
     directory = os.path.join(OUT, name)
     os.makedirs(directory, exist_ok=True)
     text = frama_c(root, directory, [os.path.join(root, "firmware", file + ".c")],
-                   ["-wp", "-wp-rte", "-wp-fct", functions, "-wp-prover", "z3,cvc4", "-wp-timeout", "40"] + options.split(), ["contracts.h"])
+                   ["-wp", "-wp-rte", "-wp-fct", functions, "-wp-prover", "z3,cvc4", "-wp-timeout", "40"] + options.split(), "-include contracts.h")
     with open(os.path.join(directory, "log.txt"), "w", encoding="utf-8") as file_:
         file_.write(text)
     found = re.search(r"Proved goals:\s+(\d+) / (\d+)", text)

@@ -4,7 +4,7 @@
 usage: tests/gates.py test|prove|campaign [NAME...]     with names: those gates alone, and their figures printed
 
 A gate is a command whose last line is `N passed, N failed`. One that ends otherwise, or with another status than its line
-says, counts as one failure and shows the end of what it printed. The last line here is the sum.
+says, counts as one failure. What failed shows its FAIL lines and the end of what it printed. The last line here is the sum.
 
 What a gate has counted or measured it prints as `figure: WHAT: VALUE`; the figures of a whole group go to build/gates-GROUP.md,
 rows of the README's table. `test` is every gate of `make test`, `prove` what stands beside it, `campaign` what takes hours: its
@@ -47,11 +47,12 @@ GATES = {
     "lanes-float": ("test", 300, "make -s unit && build/host/lanes"),
     "lanes-double": ("test", 300, "make -s unit REAL=double && build/host-double/lanes"),
     "faults-inside": ("test", 300, "make -s unit && build/host/faults 3400"),
-    "faults-inside-lanes": ("test", 300, "make -s unit && build/host/faults-lanes 1000"),
+    "faults-inside-lanes": ("test", 300, f"make -s unit && {PYTHON} tests/check_faults.py float 400"),
     "fuzz-replay": ("test", 600, f"{PYTHON} tests/check_fuzz.py replay"),
     "fuzz": ("prove", 1200, f"{PYTHON} tests/check_fuzz.py 60"),
     "fuzz-long": ("campaign", 6000, f"{PYTHON} tests/check_fuzz.py 600"),
     "faults-inside-long": ("prove", 900, "make -s unit && build/host/faults 20000"),
+    "faults-inside-lanes-double": ("prove", 900, f"make -s unit REAL=double && {PYTHON} tests/check_faults.py double 400"),
     "faults-inside-double": ("prove", 900, "make -s unit REAL=double && build/host-double/faults 6000"),
     "accuracy-float": ("test", 300, "make -s unit && build/host/accuracy"),
     "link": ("test", 300, f"{PYTHON} tests/check_link.py"),
@@ -83,7 +84,7 @@ TARGETS = sorted(f[:-3] for f in os.listdir(os.path.join(ROOT, "linker")) if f.e
 
 
 def run_gate(name):
-    """-> (passed, failed, seconds, rows of figures, tail of the output)"""
+    """-> (passed, failed, seconds, rows of figures, its failures and the end of the output)"""
     group, timeout, command = GATES[name]
     start = time.monotonic()
     with subprocess.Popen(command, shell=True, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
@@ -99,9 +100,10 @@ def run_gate(name):
     figures = [f"| {f[1]} | {f[2]} | `make {group}`, {name} |" for f in figures if f]
     found = re.fullmatch(r"(?:\w+: )?(\d+) passed, (\d+) failed", lines[-1].strip())
     seconds = time.monotonic() - start
+    shown = [line for line in lines[:-25] if line.lstrip().startswith("FAIL")] + lines[-25:]
     if not found or (int(found[2]) == 0) != (status == 0) or int(found[1]) + int(found[2]) == 0:
-        return 0, 1, seconds, [], lines[-25:] + [f"(ended with status {status} and no sound last line)"]
-    return int(found[1]), int(found[2]), seconds, figures, lines[-25:-1] if int(found[2]) else []
+        return 0, 1, seconds, [], shown + [f"(ended with status {status} and no sound last line)"]
+    return int(found[1]), int(found[2]), seconds, figures, shown[:-1] if int(found[2]) else []
 
 
 class Board:
@@ -122,7 +124,7 @@ class Board:
             with self.lock:
                 self.passed += passed
                 self.failed += failed
-                print(f"{name:24s} {passed:6d} passed, {failed:3d} failed  {seconds:6.1f} s", flush=True)
+                print(f"{name:26s} {passed:6d} passed, {failed:3d} failed  {seconds:6.1f} s", flush=True)
                 for line in tail:
                     print("    " + line, flush=True)
 

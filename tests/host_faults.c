@@ -1,6 +1,6 @@
 /* host_faults.c - faults inside: bad numbers in every input and every state, and single flipped bits in state, coefficients and table.
  *
- * usage: faults [FLIPS]      of each kind, default 4000; built once with one lane and once for a vector unit
+ * usage: faults [FLIPS]      of each kind, default 4000; built with one lane, and as faults-UNIT for each vector unit
  *
  * A fault is put in between two steps of a block under way, or into a table before or while it is used. What became of it is told by
  * the clean run of the same block:
@@ -26,7 +26,7 @@
 #include "host_faults.h"
 
 #define NEAR R(0.01)             /* of the severity: its limit is 0.8 */
-#define SITES 4096u
+#define SITES 16384u
 
 static const char *const names[OUTCOMES] = { "same", "near", "detected", "moved", "wrong" };
 
@@ -181,13 +181,14 @@ void flip_any(void *of)
     flip(s, below(8 * s->bytes));
 }
 
+/* A fourth of them just before a resync, which writes some numbers anew and must not forgive what they were. */
 void flips_in_block(tally *t, void (*add_places)(int soft), int soft, uint32_t flips)
 {
     for (uint32_t i = 0; i < flips; i++) {
         run = base;
         site_count = 0;
         add_places(soft);
-        run_struck(&kelly_string, below(TICKS - 1) + 1, flip_any, 0);
+        run_struck(&kelly_string, i % 4 > 0 ? below(TICKS - 1) + 1 : (below((TICKS - 1) / KELLY_RESYNC) + 1) * KELLY_RESYNC, flip_any, 0);
         add_outcome(t);
     }
 }
@@ -228,6 +229,7 @@ int main(int argc, char **argv)
     } cases[] = { { R(0.04), 0, 10, 0 }, { R(0.004), 0, 10, 40 }, { R(0.01), 0, 20, 3 }, { R(0.004), 1, 10, 40 } };
     const uint32_t flips = (argc > 1 ? (uint32_t)atoi(argv[1]) : 4000u) / 4;
     tally table = { 0 }, coefficients = { 0 }, counts = { 0 }, state = { 0 }, far = { 0 }, small = { 0 }, instant = { 0 }, within = { 0 };
+    const uint32_t each = flips < 200 ? 1 : flips < 1000 ? 2 : 10;
     uint32_t most = 0;
 
     kelly_rng_key(&rng, 20261127, 0, 0);
@@ -248,7 +250,7 @@ int main(int argc, char **argv)
         numbers_in_state(&far, &small, cases[c].soft, KELLY_WIDTH == 1 ? 1 : 11);
         numbers_in_draws(cases[c].soft);
         for (lanes = KELLY_WIDTH; KELLY_GUARD && lanes <= KELLY_LANES; lanes += KELLY_VECTORS > 1 ? KELLY_LANES - KELLY_WIDTH : 1u) {
-            flips_within_steps(&within, cases[c].soft, flips < 1000 ? flips / 100 : 10);       /* one vector, and all of them in turns */
+            flips_within_steps(&within, cases[c].soft, each);     /* one vector, and all of them in turns */
         }
     }
     lanes = KELLY_WIDTH;

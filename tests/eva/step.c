@@ -79,20 +79,23 @@ static void any_block(unsigned full, real m, real a)
     block.h = any_real(R(1e-6), R(1.0));
     block.al = any_real(0, full ? R(0.1) : R(3.2e-4));
     block.be = any_real(0, R(0.5));
-    block.vectors = 1;
+    block.vectors = KELLY_VECTORS;
     block.full = full;
-    block.phase_step[0] = Frama_C_unsigned_long_long_interval(0, 0x7200000000000000);
-    block.modes = modes.count = KELLY_MODES_MAX;
-    any_lane(&block.lane[0], m, a);
+    for (unsigned v = 0; v < KELLY_VECTORS; v++) {
+        block.phase_step[v] = Frama_C_unsigned_long_long_interval(0, 0x7200000000000000);
+        any_lane(&block.lane[v], m, a);
+        for (unsigned i = 0; i < KELLY_MODES_MAX; i++) {
+            if (full) {
+                any_mode(&block.mode[v][i], lever_of(m) / 3);
+            } else {
+                any_slow(&block.slow[v][i], lever_of(m) / 3);
+            }
+        }
+    }
     for (unsigned i = 0; i < KELLY_MODES_MAX; i++) {
         modes.w2[i] = any_real(R(1e-3), full ? R(1e8) : R(0.0035));
         modes.b[i] = any_real(R(1e-4), R(1.0));
         modes.d[i] = any_real(R(-1e4), R(1e4));
-        if (full) {
-            any_mode(&block.mode[0][i], lever_of(m) / 3);
-        } else {
-            any_slow(&block.slow[0][i], lever_of(m) / 3);
-        }
     }
     block.modes = modes.count = Frama_C_unsigned_int_interval(1, KELLY_MODES_MAX);
 }
