@@ -286,13 +286,13 @@ void kelly_driven_outputs(kelly_driven *driven, unsigned lane)
     look_ahead(&driven->lane[vector], &sum, driven->be, &driven->lane[vector].guard);
 }
 
-/* A commanded top's phi goes into the integer phase, where it does not grow; the drive's is its integral, and stays. */
 /* Of theta_top. */
 static uint64_t phase_of(const kelly_driven *driven, unsigned lane)
 {
     return driven->phase[lane] + kelly_turns(LANE(driven->lane[lane / KELLY_WIDTH].phi, lane % KELLY_WIDTH), 1000000000u);
 }
 
+/* A commanded top's phi goes into the integer phase, where it does not grow; the drive's is its integral, and stays. */
 void kelly_driven_resync(kelly_driven *driven, unsigned lane)
 {
     kelly_driven_lane *const on = &driven->lane[lane / KELLY_WIDTH];

@@ -93,14 +93,15 @@ WP = [("link/frame", "kelly_cobs", ""), ("app/out", "send_one,out_defer,out_pump
 
 # What the proofs take for granted, besides Frama-C itself.
 ASSUMED = [
-    "one lane (KELLY_WIDTH 1), float, the committed table, x86-64 sizes; vectors are the same source and are compared with it bit by bit",
+    "one lane a vector (KELLY_WIDTH 1), one vector and four; the committed table, x86-64 sizes; wider vectors are the same source and are "
+    "compared with it bit by bit",
     "memory holds what was written to it (lanes.h reads the guarded state as volatile: faults are struck, not proved)",
     "sqrtf is correctly rounded, __builtin_clzll counts as gcc says",
     "draws within what string_model.h says of mu (fc + f0), a1, a2, w0; h w0 within 2.8 rad a step (kelly_realise)",
     "a step starts from a state within bounds: stages up to 1e7 rad/s, and a lever h/2 (sum of b^2) that fits the weight as "
     "kelly_realise has it; that RK4 stays within them is its stability, and is checked at run time (kelly_block_sane)",
     "steps of 2 beta and more; weights between the lightest and the heaviest are those times a power of 2",
-    "under a soft drive or a commanded top: steps of 1 us, 1 ms and 31 ms, each to twice as long, stand for those between",
+    "under a soft drive or a commanded top: what a step moves belongs together as tests/eva/driven.c has it (kelly_realise)",
     "plant.h: mu within 3 m, f0 within 5e5 N; readings of a sane string, speeds within 1e6 rad/s, modal values within 1e15",
     "ensemble.h: windows that open before step 1, 32768 or 2^31 and close no earlier stand for all; propagators are stubs there",
     "tally.h: the continued fraction of the incomplete beta function stays within 1e12",

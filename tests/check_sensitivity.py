@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """check_sensitivity - kelly sensitivity against indices found another way, from plain ensembles.
 
-usage: tests/check_sensitivity.py [--float build/host/kelly] [--double build/host-double/kelly]
+usage: tests/check_sensitivity.py [--float build/host/kelly] [--double build/host-double/kelly] [NAME...]
 
 Each claim that fails is one line; the last line is `N passed, N failed`. (Ishigami's function: tests/test_sobol.c.)
 """
@@ -134,14 +134,16 @@ def check_ends():
               f"{args}: {result.returncode} {result.stderr!r}")
 
 
+CHECKS = (check_first_by_bins, check_total_of_two, check_rows_are_the_ensembles, check_same_bits, check_left_out, check_ends)
+
+
 def main():
-    chosen(command_line(__doc__))
-    check_first_by_bins()
-    check_total_of_two()
-    check_rows_are_the_ensembles()
-    check_same_bits()
-    check_left_out()
-    check_ends()
+    parser = command_line(__doc__)
+    parser.add_argument("names", nargs="*")
+    names = chosen(parser).names
+    for check in CHECKS:
+        if not names or check.__name__[6:] in names:
+            check()
     print(f"{count[True]} passed, {count[False]} failed")
     return count[False] > 0
 

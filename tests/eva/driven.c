@@ -79,11 +79,13 @@ static void step(real h, real m)
 
 int main(void)
 {
-    step(R(1e-6), R(8.0));
-    step(R(1e-6), LARGEST_M);
-    step(R(1e-3), R(8.0));
-    step(R(1e-3), LARGEST_M);
-    step(R(0.03125), R(8.0));
-    step(R(0.03125), LARGEST_M);
+    real h = R(1e-6);
+
+    //@ loop unroll 20;
+    for (unsigned k = 0; k < 20; k++) {                        /* 1 us .. 1.05 s, each to twice as long */
+        step(h, R(8.0));
+        step(h, LARGEST_M);
+        h *= 2;
+    }
     return 0;
 }
