@@ -40,9 +40,9 @@ static void sizes(float inverse)
     float w = 0x1p-14f;
 
     slice(0, w, inverse);
-    //@ loop unroll 45;
-    for (unsigned j = 0; j < 45; j++) {
-        float next = w * (w < 0.25f || w > 10.0f ? 4.0f : 1.1875f);
+    //@ loop unroll 64;
+    for (unsigned j = 0; j < 64; j++) {
+        float next = w * (w < 0.25f || w > 16.0f ? 4.0f : 1.125f);
 
         next = next < 6.8e10f ? next : 6.8e10f;
         slice(w, next, inverse);
