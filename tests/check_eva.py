@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """No run-time error, proved: Frama-C's Eva over the kernel, the samplers, the codecs and the device program, and WP where Eva cannot see.
 
-usage: [EVA_JOBS=2] tests/check_eva.py [DRIVER...]
+usage: [EVA_JOBS=2] tests/check_eva.py [--double] [DRIVER...]
 
 Each driver of tests/eva calls public functions with inputs that stand for every value of their documented ranges. A claim is
 that nothing is open: no alarm (memory, overflow, shift, division, uninitialised value, non-finite float), no contract in doubt. Every function of the
 files under proof is reached by one driver or another; statements that none reaches are printed. Then faults are planted in copies:
-each has to be found. What is taken for granted is printed as well.
+each has to be found. What is taken for granted is printed as well. --double: the drivers with real = double, and no more than they.
 """
 import concurrent.futures
 import os
@@ -18,7 +18,8 @@ import sys
 sys.dont_write_bytecode = True
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 EVA = os.path.join(ROOT, "tests", "eva")
-OUT = os.path.join(ROOT, "build", "eva")
+DOUBLE = "--double" in sys.argv[1:]
+OUT = os.path.join(ROOT, "build", "eva-double" if DOUBLE else "eva")
 JOBS = int(os.environ.get("EVA_JOBS", "1"))     # drivers at a time
 
 LINK = "link/crc32c link/frame link/keys link/messages link/wits link/fields".split()
@@ -88,8 +89,15 @@ DRIVERS = {
 # what each file needs besides eva.h
 FLAGS = {"step": "-include torque.h", "turns": "-include torque.h -DKELLY_VECTORS=4", "driven": "-include torque.h"}
 
-# (file, functions of it, options): goals of WP, run-time errors included.
-WP = [("link/frame", "kelly_cobs", ""), ("app/out", "send_one,out_defer,out_pump,out_room,out_byte", "")]
+# name: (files, functions, options, options where a fault is planted): goals of WP, run-time errors included. Split: a branch of a loop's
+# body, a goal. Where a fault is planted no goal of the sound program takes 3 s (-wp-timeout 3 proves them all).
+SPLIT, SOON = "-wp-split -wp-timeout 40", "-wp-timeout 8"
+WP = {
+    "packing": (["firmware/link/frame"], "kelly_cobs", SPLIT, "-wp-prop packed " + SOON),
+    "unpacking": (["firmware/link/frame", "tests/eva/roundtrip"], "append,kelly_receive", SPLIT, SOON),
+    "round trip": (["firmware/link/frame", "tests/eva/roundtrip"], "round_trip", SPLIT, ""),
+    "ring": (["firmware/app/out"], "send_one,out_defer,out_pump,out_room,out_byte", "-wp-timeout 40", SOON),
+}
 
 # What the proofs take for granted, besides Frama-C itself.
 ASSUMED = [
@@ -113,13 +121,16 @@ ASSUMED = [
     "host programs are not analysed: their parsers (options, journal, stored runs) are fuzzed",
 ]
 
-# name: (driver or WP file, file to change, text, what it becomes)
+# name: (driver or proof of WP, file to change, text, what it becomes)
 PLANTED = {
-    "a ring one byte too full": ("app/out", "firmware/app/out.c", "if (waiting == OUT_RING) {", "if (waiting > OUT_RING) {"),
-    "a byte in another's place": ("app/out", "firmware/app/out.c", "ring[(oldest + waiting) % OUT_RING] = byte;", "ring[waiting % OUT_RING] = byte;"),
-    "a byte that is not sent": ("app/out", "firmware/app/out.c", "    board_write(ring[oldest]);\n", ""),
-    "a byte that is dropped": ("app/out", "firmware/app/out.c", "        board_write(byte);\n", ""),
-    "off by one in COBS": ("link/frame", "firmware/link/frame.c", "if (at - code_at == GROUP) {", "if (at - code_at == GROUP + 1u) {"),
+    "a ring one byte too full": ("ring", "firmware/app/out.c", "if (waiting == OUT_RING) {", "if (waiting > OUT_RING) {"),
+    "a byte in another's place": ("ring", "firmware/app/out.c", "ring[(oldest + waiting) % OUT_RING] = byte;", "ring[waiting % OUT_RING] = byte;"),
+    "a byte that is not sent": ("ring", "firmware/app/out.c", "    board_write(ring[oldest]);\n", ""),
+    "a byte that is dropped": ("ring", "firmware/app/out.c", "        board_write(byte);\n", ""),
+    "off by one in COBS": ("packing", "firmware/link/frame.c", "if (at - code_at == GROUP) {", "if (at - code_at == GROUP + 1u) {"),
+    "a full group without its code": ("packing", "firmware/link/frame.c", "            to[code_at] = (uint8_t)GROUP;\n", ""),
+    "a 0 behind a full group": ("unpacking", "firmware/link/frame.c", "last != 0 && last != GROUP ?", "last != 0 ?"),
+    "a group one byte too long": ("unpacking", "firmware/link/frame.c", "receiver->left = (uint8_t)(byte - 1u);", "receiver->left = byte;"),
     "no bound on a received payload": ("link", "firmware/link/frame.c", "if (receiver->size >= KELLY_FRAME_MAX) {", "if (receiver->size > KELLY_FRAME_MAX) {"),
     "no check of a text's length": ("messages", "firmware/link/fields.c", "value.low > f->what >> 4 || ", ""),
     "a spread that overflows": ("strings", "firmware/realisation.c", "run->cov[parameter] >= LEAST_COV", "run->cov[parameter] > 0.0f"),
@@ -161,7 +172,7 @@ def eva(root, name, driver):
     shutil.copy(os.path.join(EVA, "eva_report.ml"), script)
     sources = [os.path.join(root, "tests", "eva", driver + ".c")] + [os.path.join(root, "firmware", f + ".c") for f in files]
     text = frama_c(root, directory, sources, ["-load-script", script, "-eva", "-eva-verbose", "0", "-kernel-verbose", "0", "-eva-no-print",
-                                              "-warn-special-float", "non-finite"] + options.split(), FLAGS.get(driver, ""))
+                                              "-warn-special-float", "non-finite"] + options.split(), FLAGS.get(driver, "") + " -DKELLY_DOUBLE" * DOUBLE)
     with open(os.path.join(directory, "log.txt"), "w", encoding="utf-8") as file:
         file.write(text)
     return text.splitlines()
@@ -170,7 +181,7 @@ def eva(root, name, driver):
 def open_ones(lines):
     """Alarms and contracts in doubt. Contracts that a driver uses (contracts.h) are proved by another, what a function ensures in a file of
     WP by that; `reachability` is no property of the program."""
-    by_wp = "|".join(re.escape(f"firmware/{file}.c") for file, _, _ in WP)
+    by_wp = "|".join(re.escape(f"{files[0]}.c") for files, *_ in WP.values())
     found = [line[5:] for line in lines if line.startswith("open ") and not re.match(rf"open (?:{by_wp}):\d+ ensures ", line)]
     return [f for f in found if not re.search(" reachability (of|post) ", f) and not f.startswith(USED)
             and not re.match(r"\S+ (default behavior|behavior given$|assigns )", f)]
@@ -206,12 +217,14 @@ class Coverage:
                 self.lines[key] = max(best, (int(words[1]), int(words[2])))
 
 
-def wp(root, name, file, functions, options):
+def wp(root, name, options=""):
     """-> goals proved, goals"""
-    directory = os.path.join(OUT, name)
+    files, functions, usual, _ = WP[name]
+    directory = os.path.join(OUT, "wp-" + name.replace(" ", "-"))
     os.makedirs(directory, exist_ok=True)
-    text = frama_c(root, directory, [os.path.join(root, "firmware", file + ".c")],
-                   ["-wp", "-wp-rte", "-wp-fct", functions, "-wp-prover", "z3,cvc4", "-wp-timeout", "40"] + options.split(), "-include contracts.h")
+    text = frama_c(root, directory, [os.path.join(root, file + ".c") for file in files],
+                   ["-wp", "-wp-rte", "-wp-fct", functions, "-wp-prover", "z3,cvc4", *usual.split(), *options.split()],
+                   "-include contracts.h" + " -include receiver.h" * (len(files) > 1))
     with open(os.path.join(directory, "log.txt"), "w", encoding="utf-8") as file_:
         file_.write(text)
     found = re.search(r"Proved goals:\s+(\d+) / (\d+)", text)
@@ -233,6 +246,22 @@ def prove(names):
             coverage.take(lines)
             print(f"{driver}: {len(found)} open, {sum(done)} proved", flush=True)
     return coverage, alarms, valid
+
+
+def prove_contracts(coverage):
+    """What WP proves; (goals proved, goals)."""
+    proved = goals = 0
+    for name, (files, functions, _, _) in WP.items():
+        p, g = wp(ROOT, name)
+        if claim(p == g and g > 0, f"WP: {name}: {p} of {g} goals"):
+            coverage.reached.update(coverage.all & {f"{function} {files[0]}.c" for function in functions.split(",")})
+        proved, goals = proved + p, goals + g
+    for file in sorted({files[0] for files, *_ in WP.values()}):
+        with open(os.path.join(ROOT, file + ".c"), encoding="utf-8") as source:
+            promising = re.findall(r"ensures [^*]*\*/\n[\w *]*?\**(\w+)\(", source.read())
+        done = [function for files, functions, *_ in WP.values() if files[0] == file for function in functions.split(",")]
+        claim(set(promising) <= set(done), f"WP: {file}: {promising} ensure something, {done} are proved")
+    return proved, goals
 
 
 def cover(coverage):
@@ -262,27 +291,23 @@ def faults():
         if where in DRIVERS:
             seen = bool(open_ones(eva(copy, "planted-run", where)))
         else:
-            proved, goals = wp(copy, "planted-run", where, *[w[1:] for w in WP if w[0] == where][0])
+            proved, goals = wp(copy, where, WP[where][3])
             seen = proved < goals
         found += claim(seen, f"{name}: planted, and not found")
     return found
 
 
 def main():
-    names = sys.argv[1:] or list(DRIVERS)
+    only = [name for name in sys.argv[1:] if name != "--double"]
+    names = only or list(DRIVERS)
     if shutil.which("why3"):
         subprocess.run(["why3", "config", "detect"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
     coverage, alarms, valid = prove(names)
-    if not sys.argv[1:]:
-        proved = goals = 0
-        for file, functions, options in WP:
-            with open(os.path.join(ROOT, "firmware", file + ".c"), encoding="utf-8") as source:
-                promising = re.findall(r"ensures [^*]*\*/\n[\w *]*?\**(\w+)\(", source.read())
-            claim(set(promising) <= set(functions.split(",")), f"WP: {file}: {promising} ensure something, {functions} are proved")
-            p, g = wp(ROOT, "wp-" + os.path.basename(file), file, functions, options)
-            if claim(p == g and g > 0, f"WP: {file}, {functions}: {p} of {g} goals"):
-                coverage.reached.update(f"{function} firmware/{file}.c" for function in functions.split(","))
-            proved, goals = proved + p, goals + g
+    if DOUBLE:
+        print(f"figure: proof by Eva in double, alarms with -warn-special-float non-finite: {alarms}")
+        print(f"figure: proof by Eva in double, properties proved by {len(names)} of {len(DRIVERS)} drivers: {valid}")
+    elif not only:
+        proved, goals = prove_contracts(coverage)
         reached, statements = cover(coverage)
         found = faults()
         for text in ASSUMED:

@@ -52,7 +52,7 @@ GATES = {
     "fuzz": ("prove", 1200, f"{PYTHON} tests/check_fuzz.py 60"),
     "fuzz-long": ("campaign", 6000, f"{PYTHON} tests/check_fuzz.py 600"),
     "faults-inside-long": ("prove", 900, "make -s unit && build/host/faults 20000"),
-    "faults-inside-lanes-double": ("prove", 900, f"make -s unit REAL=double && {PYTHON} tests/check_faults.py double 400"),
+    "faults-inside-lanes-double": ("campaign", 1800, f"make -s unit REAL=double && {PYTHON} tests/check_faults.py double 4000"),
     "faults-inside-double": ("prove", 900, "make -s unit REAL=double && build/host-double/faults 6000"),
     "accuracy-float": ("test", 300, "make -s unit && build/host/accuracy"),
     "link": ("test", 300, f"{PYTHON} tests/check_link.py"),
@@ -76,7 +76,8 @@ GATES = {
     "board-coverage": ("prove", 600, f"{PYTHON} tests/check_board_coverage.py"),
     "mutants": ("prove", 1500, f"nice -n 10 {PYTHON} tests/mutate.py --mutants 60 --quick"),
     "all-mutants": ("campaign", 36000, f"nice -n 10 {PYTHON} tests/mutate.py --mutants 300"),
-    "eva": ("prove", 1500, f"{PYTHON} tests/check_eva.py"),
+    "eva": ("prove", 1800, f"{PYTHON} tests/check_eva.py"),
+    "eva-double": ("campaign", 3000, f"{PYTHON} tests/check_eva.py --double"),
 }
 GROUPS = ("test", "prove", "campaign")
 FIGURE = re.compile(r"figure: ([^|:]+): ([^|]+)")

@@ -18,11 +18,17 @@ static void set_word(uint8_t *at, uint32_t value)
 size_t kelly_cobs(uint8_t *to, const uint8_t *from, size_t n)
 {
     size_t code_at = 0, at = 1;
+    //@ ghost cobs_lead[0] = code_at; cobs_place[0] = at;
 
     /* Bytes written beyond those read, at - 1 - i, are the codes of full groups, each of which has taken 254; the open one has room. */
     /*@ loop invariant 0 <= i <= n && code_at < at <= code_at + GROUP && i + 1 <= at;
         loop invariant 254 * (at - 1 - i) + (at - code_at - 1) <= i;
-        loop assigns i, code_at, at, to[0 .. n + n / 254];
+        loop invariant code_at == cobs_lead[i] && at == cobs_place[i];
+        loop invariant packed: cobs_packed(to, i);
+        loop invariant room: at <= i + 1 + n / 254;
+        loop invariant taken: cobs_apart(to, from, n) ==> cobs_taken{Pre, Here}(from, i);
+        loop invariant unread: cobs_apart(to, from, n) ==> cobs_unread{Pre, Here}(from, i, n);
+        loop assigns i, code_at, at, to[0 .. n + n / 254], cobs_lead[0 .. n], cobs_place[0 .. n], cobs_spot[0 .. n - 1], cobs_byte[0 .. n - 1];
         loop variant n - i; */
     for (size_t i = 0; i < n; i++) {
         const uint8_t byte = from[i];
@@ -37,6 +43,7 @@ size_t kelly_cobs(uint8_t *to, const uint8_t *from, size_t n)
             to[code_at] = (uint8_t)(at - code_at);
             code_at = at++;
         }
+        //@ ghost cobs_byte[i] = byte; cobs_spot[i] = at - 1; cobs_lead[i + 1] = code_at; cobs_place[i + 1] = at;
     }
     to[code_at] = (uint8_t)(at - code_at);
     return at;

@@ -69,12 +69,19 @@ int scpi_is(const char *line, const char *pattern, const char **rest);
     ensures \result == SCPI_NO_ERROR ==> \initialized(value) && \is_finite(*value) && -1000000000 <= *value <= 1000000000; */
 int scpi_number(const char *text, real *value);
 
-/* Proved by WP, with the invariants of its loop. */
+/* Proved by WP, with the invariants of its loop: bounds, no 00, and where each byte went (cobs.h), the base of roundtrip.c. */
 /*@ requires n <= KELLY_FRAME_MAX;
     requires \valid(to + (0 .. n + n / 254)) && \valid_read(from + (0 .. n - 1));
-    assigns to[0 .. n + n / 254] \from from[0 .. n - 1];
+    assigns to[0 .. n + n / 254], cobs_lead[0 .. n], cobs_place[0 .. n], cobs_spot[0 .. n - 1], cobs_byte[0 .. n - 1] \from from[0 .. n - 1];
     assigns \result \from n, from[0 .. n - 1];
-    ensures 1 <= \result <= n + n / 254 + 1; */
+    ensures 1 <= \result <= n + n / 254 + 1;
+    ensures \result == cobs_place[n];
+    ensures packed: cobs_packed(to, n);
+    ensures cobs_lead[n] + to[cobs_lead[n]] == \result;
+    ensures \forall integer p; 0 <= p < \result ==> to[p] != 0;
+    behavior read:
+      assumes cobs_apart(to, from, n);
+      ensures cobs_taken{Pre, Post}(from, n); */
 size_t kelly_cobs(uint8_t *to, const uint8_t *from, size_t n);
 
 /* A board's line is none of the program's memory: what has gone out over it. */

@@ -51,6 +51,8 @@ static inline uint64_t any_u64(void) { return Frama_C_unsigned_long_long_interva
 /* Any bytes. */
 #define ANY(object) Frama_C_make_unknown((char *)&(object), sizeof(object))
 
+#include "cobs.h"
+
 /* What has gone out over a board's line, and the last of it: contracts.h, out.c. */
 /*@ ghost unsigned line_count; */
 /*@ ghost unsigned char line_last; */
