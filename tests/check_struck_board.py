@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """check_struck_board - a bit of the state of a string flips on an emulated board, at any instruction of a step.
 
-usage: tests/check_struck_board.py [STRIKES]      of each board and kind of top, default 40, of the kinds asked over the line half as many
+usage: tests/check_struck_board.py [STRIKES]      of each board and kind of top, default 40, of those asked over the line a fourth
 
 Tops: stiff (a line of the console), soft (a campaign over the line), commanded (lockstep). The emulator's debugger stops the device program
 somewhere within its steps, in the code that the board's compiler made, turns a bit of the lane or of a mode in memory, and lets it go on.
@@ -162,7 +162,7 @@ def lockstep(target, elf, strike=None):
 
 
 # kind of top: (struct, how it is run and asked, share of the strikes, which calls are struck)
-TOPS = {"stiff": ("kelly_block", estimate, 1, (1, 2)), "soft": ("kelly_driven", campaign, 2, (1, 2, 25)), "commanded": ("kelly_driven", lockstep, 2, (1, 2, 25))}
+TOPS = {"stiff": ("kelly_block", estimate, 1, (1, 2)), "soft": ("kelly_driven", campaign, 4, (1, 2, 25)), "commanded": ("kelly_driven", lockstep, 4, (1, 2, 25))}
 
 
 def strikes_of(target, top, count):
