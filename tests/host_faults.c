@@ -247,7 +247,7 @@ int main(int argc, char **argv)
         if (KELLY_GUARD && KELLY_WIDTH > 1) {
             flips_between_loads(cases[c].soft, flips);
         }
-        numbers_in_state(&far, &small, cases[c].soft, KELLY_WIDTH == 1 ? 1 : 11);
+        numbers_in_state(&far, &small, cases[c].soft, KELLY_WIDTH == 1 ? 1 : 2 * KELLY_WIDTH + 3);     /* every lane in its turn */
         numbers_in_draws(cases[c].soft);
         for (lanes = KELLY_WIDTH; KELLY_GUARD && lanes <= KELLY_LANES; lanes += KELLY_VECTORS > 1 ? KELLY_LANES - KELLY_WIDTH : 1u) {
             flips_within_steps(&within, cases[c].soft, each);     /* one vector, and all of them in turns */
