@@ -102,19 +102,20 @@ static void put_state(kelly_block *block, unsigned lane, unsigned i, real w, rea
 {
     const unsigned v = lane / KELLY_WIDTH, l = lane % KELLY_WIDTH;
     const real scale = R(6.0) / block->h;
+    vbits *const guard = &block->lane[v].guard;
 
     if (block->full) {
         kelly_mode *const mode = &block->mode[v][i];
         const real xi = scale * (speed + (block->al + block->be * w) * over_h);
 
-        LANE(mode->xi, l) = xi;
-        LANE(mode->zeta, l) = scale * over_h - block->be * xi;
+        vput_lane(&mode->xi, l, xi, guard);
+        vput_lane(&mode->zeta, l, scale * over_h - block->be * xi, guard);
     } else {
         kelly_slow_mode *const mode = &block->slow[v][i];
         const slow_numbers k = slow_of(block, w);
 
-        LANE(mode->v, l) = scale * speed;
-        LANE(mode->x, l) = scale * ((2 * (over_h + k.p * over_h) + (k.e + 2 * k.r) * speed) / (R(1.0) + k.e));
+        vput_lane(&mode->v, l, scale * speed, guard);
+        vput_lane(&mode->x, l, scale * ((2 * (over_h + k.p * over_h) + (k.e + 2 * k.r) * speed) / (R(1.0) + k.e)), guard);
     }
 }
 
@@ -154,27 +155,35 @@ static void load_modes(kelly_block *block, unsigned lane, const kelly_modes *mod
 /* Stage speeds of the first step, of the whole vector. */
 static void first_speeds(kelly_block *block, unsigned v)
 {
+    kelly_lane *const on = &block->lane[v];
+
+    (void)vtake(&on->y1, &on->guard);
+    (void)vtake(&on->y2, &on->guard);
+    (void)vtake(&on->y3, &on->guard);
+    (void)vtake(&on->y4, &on->guard);
     if (block->full) {
         sums_m sum = outputs_m(&block->mode[v][0]);
 
         for (unsigned i = 1; i < block->modes; i++) {
             add_m(&sum, outputs_m(&block->mode[v][i]));
         }
-        stage_speeds_m(&block->lane[v], &sum, block->al, block->be, &block->lane[v].guard);
+        stage_speeds_m(on, &sum, block->al, block->be, &on->guard);
     } else {
         sums_s sum = outputs_s(&block->slow[v][0]);
 
         for (unsigned i = 1; i < block->modes; i++) {
             add_s(&sum, outputs_s(&block->slow[v][i]));
         }
-        stage_speeds_s(&block->lane[v], &sum, block->al, block->be, &block->lane[v].guard);
+        stage_speeds_s(on, &sum, block->al, block->be, &on->guard);
     }
 }
 
-static void watch(kelly_lane *lane)
+static void watch(kelly_lane *on)
 {
-    lane->lowest = lane->y1;
-    lane->highest = lane->y1;
+    (void)vtake(&on->lowest, &on->guard);
+    (void)vtake(&on->highest, &on->guard);
+    vput(&on->lowest, on->y1, &on->guard);
+    vput(&on->highest, on->y1, &on->guard);
 }
 
 /* v and x, or xi and zeta, of a mode. */
@@ -204,7 +213,6 @@ void kelly_block_load(kelly_block *block, unsigned lane, const kelly_case *run,
     const real half_sine = kelly_sin_turn(step / 2);
     const real a2 = larger(draw->a2, SMALL_A2);
     kelly_lane *const out = &block->lane[lane / KELLY_WIDTH];
-    const vbits faults = out->guard ^ state_bits(block, lane / KELLY_WIDTH);      /* in the other lanes of the vector: they stay */
 
     block->phase_step[lane] = step;
     block->strayed[lane] = 0;
@@ -219,17 +227,12 @@ void kelly_block_load(kelly_block *block, unsigned lane, const kelly_case *run,
     first_speeds(block, lane / KELLY_WIDTH);
     kelly_block_resync(block, lane);
     watch(out);
-    out->guard = faults ^ state_bits(block, lane / KELLY_WIDTH);
 }
 
 void kelly_block_watch(kelly_block *block)
 {
     for (unsigned v = 0; v < KELLY_VECTORS; v++) {
-        kelly_lane *const on = &block->lane[v];
-
-        vguard(&on->guard, vbits_of(on->lowest) ^ vbits_of(on->highest));
-        watch(on);
-        vguard(&on->guard, vbits_of(on->lowest) ^ vbits_of(on->highest));
+        watch(&block->lane[v]);
     }
 }
 

@@ -280,10 +280,17 @@ void kelly_driven_outputs(kelly_driven *driven, unsigned lane)
     const unsigned vector = lane / KELLY_WIDTH;
     sums sum = { .y0 = vsplat(0) };
 
+    kelly_driven_lane *const on = &driven->lane[vector];
+
     for (unsigned i = 0; i < driven->modes; i++) {
         add_outputs(&sum, &driven->mode[vector][i]);
     }
-    look_ahead(&driven->lane[vector], &sum, driven->be, &driven->lane[vector].guard);
+    for (unsigned k = 0; k < 4; k++) {
+        (void)vtake(&on->y.at[k], &on->guard);
+        (void)vtake(&on->p.at[k], &on->guard);
+    }
+    (void)vtake(&on->speed, &on->guard);
+    look_ahead(on, &sum, driven->be, &on->guard);
 }
 
 /* Of theta_top. */
@@ -299,14 +306,12 @@ void kelly_driven_resync(kelly_driven *driven, unsigned lane)
     const unsigned l = lane % KELLY_WIDTH;
     const uint64_t phase = phase_of(driven, lane);
 
-    vguard_lane(&on->guard, l, vbits_of(on->sine) ^ vbits_of(on->cosine) ^ vbits_of(on->phi));
-    LANE(on->sine, l) = kelly_sin_turn(phase);
-    LANE(on->cosine, l) = kelly_sin_turn(phase + QUARTER_TURN);
+    vput_lane(&on->sine, l, kelly_sin_turn(phase), &on->guard);
+    vput_lane(&on->cosine, l, kelly_sin_turn(phase + QUARTER_TURN), &on->guard);
     if (!(LANE(on->gain, l) > 0)) {
         kelly_driven_put_phase(driven, lane, phase);
-        LANE(on->phi, l) = 0;
+        vput_lane(&on->phi, l, 0, &on->guard);
     }
-    vguard_lane(&on->guard, l, vbits_of(on->sine) ^ vbits_of(on->cosine) ^ vbits_of(on->phi));
 }
 
 /* Whether sine or cosine is further from that of theta_top than rounding leads. A NaN in them would not be seen otherwise. */

@@ -40,10 +40,10 @@ static void load_step(kelly_driven_mode *mode, unsigned l, real c, real w)
 
 /* Start of one mode: q = 0 at tick 0, so that Q against the drag equilibrium is alpha r w_ref / w_i^2; q' = -d times the
  * speed of the top from rest, 0 if turning. */
-static void start_mode(kelly_driven_mode *mode, unsigned l, real r, real drag_q, real over_h, real top_speed, int rotating)
+static void start_mode(kelly_driven_mode *mode, unsigned l, real r, real drag_q, real over_h, real top_speed, int rotating, vbits *guard)
 {
-    LANE(mode->v, l) = rotating ? 0 : -(r * top_speed);
-    LANE(mode->x, l) = r * drag_q * over_h;
+    vput_lane(&mode->v, l, rotating ? 0 : -(r * top_speed), guard);
+    vput_lane(&mode->x, l, r * drag_q * over_h, guard);
 }
 
 /* What one unit of T and of u does to an output whose row is (ov, ox): M_0/2, M_1/4, M_2/4, summed over the modes. */
@@ -86,7 +86,7 @@ static void load_modes(kelly_driven *driven, unsigned lane, const kelly_modes *m
         LANE(mode->k, l) = k;
         LANE(mode->r, l) = r;
         load_step(mode, l, c, w);
-        start_mode(mode, l, r, driven->alpha * w_ref / modes->w2[i], R(1.0) / h, top_speed, rotating);
+        start_mode(mode, l, r, driven->alpha * w_ref / modes->w2[i], R(1.0) / h, top_speed, rotating, &on->guard);
         add_markov(&on->y, l, g, 0, c, w, h, r);
         add_markov(&on->p, l, k * driven->be, k, c, w, h, r);
     }
@@ -110,9 +110,9 @@ static void load_top(kelly_driven_lane *on, unsigned l, const kelly_table *table
     LANE(on->k_angle, l) = turn * turn * drive->inertia;
     LANE(on->gain, l) = drive->inertia > 0 ? R(1.0) / (drive->inertia + residue) : 0;
     LANE(on->slope, l) = 0;
-    LANE(on->eta, l) = top_speed - w_ref;
     LANE(on->counted, l) = top_speed - w_ref;
-    LANE(on->phi, l) = 0;
+    vput_lane(&on->eta, l, top_speed - w_ref, &on->guard);
+    vput_lane(&on->phi, l, 0, &on->guard);
 }
 
 /* What the guard of a vector is between two steps. */
@@ -131,7 +131,6 @@ void kelly_driven_load(kelly_driven *driven, unsigned lane, const kelly_table *t
 {
     const unsigned l = lane % KELLY_WIDTH;
     kelly_driven_lane *const on = &driven->lane[lane / KELLY_WIDTH];
-    const vbits faults = on->guard ^ state_bits(driven, lane / KELLY_WIDTH);      /* in the other lanes of the vector: they stay */
 
     kelly_driven_put_phase(driven, lane, 0);
     driven->strayed[lane] = 0;
@@ -144,9 +143,8 @@ void kelly_driven_load(kelly_driven *driven, unsigned lane, const kelly_table *t
     load_modes(driven, lane, modes, draw->w0, top_speed, run->rotating);
     kelly_driven_outputs(driven, lane);
     kelly_driven_resync(driven, lane);
-    LANE(on->lowest, l) = LANE(on->speed, l);
-    LANE(on->highest, l) = LANE(on->speed, l);
-    on->guard = faults ^ state_bits(driven, lane / KELLY_WIDTH);
+    vput_lane(&on->lowest, l, LANE(on->speed, l), &on->guard);
+    vput_lane(&on->highest, l, LANE(on->speed, l), &on->guard);
 }
 
 void kelly_driven_weigh(kelly_driven *driven, unsigned lane, const kelly_case *run, const kelly_draw *draw, real weight)
@@ -165,9 +163,7 @@ static void count_from_here(kelly_driven *driven, unsigned lane)
 
     kelly_driven_put_phase(driven, lane, driven->phase[lane] + kelly_turns(LANE(on->phi, l), 1000000000u));
     driven->phase_step[lane] = kelly_turns(LANE(on->w_ref, l) + LANE(on->eta, l), driven->step_ns);
-    vguard_lane(&on->guard, l, vbits_of(on->phi));
-    LANE(on->phi, l) = 0;
-    vguard_lane(&on->guard, l, vbits_of(on->phi));
+    vput_lane(&on->phi, l, 0, &on->guard);
     LANE(on->counted, l) = LANE(on->eta, l);
 }
 
@@ -182,10 +178,10 @@ void kelly_driven_adjust(kelly_driven *driven, unsigned lane, real top_speed)
     kelly_driven_lane *const on = &driven->lane[lane / KELLY_WIDTH];
     const unsigned l = lane % KELLY_WIDTH;
 
-    vguard_lane(&on->guard, l, vbits_of(on->eta) ^ vbits_of(on->speed));
-    LANE(on->eta, l) = top_speed - LANE(on->w_ref, l);
-    LANE(on->speed, l) = (LANE(on->w_ref, l) + LANE(on->eta, l)) + LANE(on->y.at[0], l);
-    vguard_lane(&on->guard, l, vbits_of(on->eta) ^ vbits_of(on->speed));
+    const real eta = top_speed - LANE(on->w_ref, l);
+
+    vput_lane(&on->eta, l, eta, &on->guard);
+    vput_lane(&on->speed, l, (LANE(on->w_ref, l) + eta) + LANE(on->y.at[0], l), &on->guard);
 }
 
 void kelly_driven_hold(kelly_driven *driven, unsigned lane, real top_speed)
@@ -200,10 +196,10 @@ void kelly_driven_watch(kelly_driven *driven)
     for (unsigned v = 0; v < KELLY_VECTORS; v++) {
         kelly_driven_lane *const on = &driven->lane[v];
 
-        vguard(&on->guard, vbits_of(on->lowest) ^ vbits_of(on->highest));
-        on->lowest = on->speed;
-        on->highest = on->speed;
-        vguard(&on->guard, vbits_of(on->lowest) ^ vbits_of(on->highest));
+        (void)vtake(&on->lowest, &on->guard);
+        (void)vtake(&on->highest, &on->guard);
+        vput(&on->lowest, on->speed, &on->guard);
+        vput(&on->highest, on->speed, &on->guard);
     }
 }
 

@@ -126,14 +126,12 @@ void kelly_block_resync(kelly_block *block, unsigned lane)
     const real swing = LANE(out->muf_swing, l), wave = swing * kelly_sin_turn(phase);
     const real muf = LANE(out->muf_mean, l) + wave;
 
-    vguard_lane(&out->guard, l, weighed(out) ^ vbits_of(out->t1));
-    LANE(out->wave, l) = wave;
-    LANE(out->dwave, l) = swing * (2 * kelly_sin_turn(phase + step / 2 + QUARTER_TURN) * kelly_sin_turn(step / 2));
-    LANE(out->muf, l) = muf < 0 ? muf : 0;
+    vput_lane(&out->wave, l, wave, &out->guard);
+    vput_lane(&out->dwave, l, swing * (2 * kelly_sin_turn(phase + step / 2 + QUARTER_TURN) * kelly_sin_turn(step / 2)), &out->guard);
+    vput_lane(&out->muf, l, muf < 0 ? muf : 0, &out->guard);
     const vreal t1 = first_torque(out);
 
-    LANE(out->t1, l) = LANE(t1, l);      /* this lane's only: what has become of another's is not to be mended unseen */
-    vguard_lane(&out->guard, l, weighed(out) ^ vbits_of(out->t1));
+    vput_lane(&out->t1, l, LANE(t1, l), &out->guard);    /* this lane's only: what has become of another's is not to be mended unseen */
 }
 
 void kelly_block_advance(kelly_block *block, uint32_t ticks)

@@ -132,9 +132,6 @@ KELLY_INLINE int vsame(vbits a, vbits b)
 #if KELLY_GUARD
 KELLY_INLINE void vguard(vbits *guard, vbits bits) { *guard = *guard ^ bits; }
 
-/* What only one lane has. */
-KELLY_INLINE void vguard_lane(vbits *guard, unsigned l, vbits bits) { LANE(*guard, l) = LANE(*guard, l) ^ LANE(bits, l); }
-
 KELLY_INLINE vreal vtake(const vreal *at, vbits *guard)
 {
     const vreal x = *(const volatile vreal *)at;
@@ -148,11 +145,20 @@ KELLY_INLINE void vput(vreal *at, vreal x, vbits *guard)
     vguard(guard, vbits_of(x));
     *(volatile vreal *)at = x;
 }
+
+/* A number of one lane anew, whatever it was. */
+KELLY_INLINE void vput_lane(vreal *at, unsigned l, real x, vbits *guard)
+{
+    vreal all = vtake(at, guard);
+
+    LANE(all, l) = x;
+    vput(at, all, guard);
+}
 #else
 KELLY_INLINE void vguard(vbits *guard, vbits bits) { (void)guard, (void)bits; }
-KELLY_INLINE void vguard_lane(vbits *guard, unsigned l, vbits bits) { (void)guard, (void)l, (void)bits; }
 #define vtake(at, guard) ((void)(guard), *(at))      /* no pointer: gcc knows that no other member of a struct has changed */
 #define vput(at, x, guard) ((void)(guard), (void)(*(at) = (x)))
+#define vput_lane(at, l, x, guard) ((void)(guard), (void)(LANE(*(at), l) = (x)))
 #endif
 
 /* x held within -limit .. limit. One lane asks the usual question first: it is seldom beyond. */

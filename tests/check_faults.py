@@ -21,9 +21,10 @@ def main():
         lines = done.stdout.splitlines() or [""]
         print("\n".join(lines[:-1]), flush=True)
         said = re.fullmatch(r"([1-9]\d*) passed, (\d+) failed", lines[-1])
+        passed, failed = passed + int(said[1] if said else 0), failed + int(said[2] if said else 0)
         if not said or done.returncode != (said[2] != "0"):
             print(f"FAIL faults-{unit}: ended with status {done.returncode}: {lines[-1]}{done.stderr[-300:]}")
-        passed, failed = passed + int(said[1] if said else 0), failed + int(said[2] if said else 1)
+            failed += 1
     print(f"{passed} passed, {failed} failed")
     return failed != 0
 

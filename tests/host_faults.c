@@ -229,6 +229,7 @@ int main(int argc, char **argv)
     } cases[] = { { R(0.04), 0, 10, 0 }, { R(0.004), 0, 10, 40 }, { R(0.01), 0, 20, 3 }, { R(0.004), 1, 10, 40 } };
     const uint32_t flips = (argc > 1 ? (uint32_t)atoi(argv[1]) : 4000u) / 4;
     tally table = { 0 }, coefficients = { 0 }, counts = { 0 }, state = { 0 }, far = { 0 }, small = { 0 }, instant = { 0 }, within = { 0 };
+    tally resync = { 0 }, loading = { 0 };
     const uint32_t each = flips < 200 ? 1 : flips < 1000 ? 2 : 10;
     uint32_t most = 0;
 
@@ -252,6 +253,11 @@ int main(int argc, char **argv)
         for (lanes = KELLY_WIDTH; KELLY_GUARD && lanes <= KELLY_LANES; lanes += KELLY_VECTORS > 1 ? KELLY_LANES - KELLY_WIDTH : 1u) {
             flips_within_steps(&within, cases[c].soft, each);     /* one vector, and all of them in turns */
         }
+        lanes = KELLY_WIDTH;
+        if (KELLY_GUARD) {
+            flips_within_resync(&resync, cases[c].soft, 20 + flips / 8);
+            flips_within_load(&loading, cases[c].soft, 20 + flips / 8);
+        }
     }
     lanes = KELLY_WIDTH;
     numbers_in_case();
@@ -266,6 +272,8 @@ int main(int argc, char **argv)
     if (KELLY_GUARD) {
         say("the state, bits, at any instruction of a step", &instant);
         say("each number of the state, a bit, at any instruction of a few steps", &within);
+        say("what a new phase writes, a bit, at any instruction of that", &resync);
+        say("the state, a bit, at any instruction of a load", &loading);
     }
     say("the state, set to NaN, Inf, 1e38", &far);
     say("the state, set to a denormal, 0, the other sign", &small);
@@ -279,6 +287,10 @@ int main(int argc, char **argv)
     none_silent(instant.alone);
     none_silent(within.alone);
     CHECK(!KELLY_GUARD || within.alone[DETECTED] > within.flips / 4);
+    none_silent(resync.alone);
+    CHECK(!KELLY_GUARD || resync.alone[DETECTED] > resync.flips / 4);
+    none_silent(loading.alone);
+    CHECK(!KELLY_GUARD || loading.alone[DETECTED] > loading.flips / 8);
     none_silent(KELLY_GUARD ? far.alone : far.twice);
     none_silent(KELLY_GUARD ? small.alone : small.twice);
     EQUAL(KELLY_GUARD ? state.alone[DETECTED] : state.flips, state.flips);

@@ -62,12 +62,16 @@ unsigned outcome_of_child(int status);
 
 /* host_faults_instant.c */
 void flips_within_steps(tally *t, int soft, uint32_t each);
+void flips_within_resync(tally *t, int soft, uint32_t flips);
+void flips_within_load(tally *t, int soft, uint32_t flips);
 void flips_at_any_instant(tally *t, void (*add_places)(int soft), int soft, uint32_t flips);
 
 /* host_faults_state.c */
 void motion_places(int soft);
 void state_places(int soft);
 void flips_in_state(tally *t, int soft, uint32_t flips);
+void clear_block(int soft);                         /* for one vector */
+void load_lane(int soft, unsigned lane, void (*strike)(void *));
 void flips_between_loads(int soft, uint32_t flips);
 void numbers_in_state(tally *far, tally *small, int soft, unsigned every);
 void numbers_in_draws(int soft);

@@ -11,6 +11,8 @@
 
 #define WITHIN_STEPS 1200u       /* of each vector: some two steps */
 #define INSTRUCTIONS 3000u       /* some five steps of a stiff drive, three of a soft one */
+#define RESYNC_INSTRUCTIONS 500u /* of one lane */
+#define LOAD_INSTRUCTIONS 4000u
 
 static void stop_here(void *of)
 {
@@ -60,13 +62,40 @@ static void few_steps(int soft, uint32_t tick, void (*strike)(void *))
     }
 }
 
-static unsigned for_a_few_steps(int soft, uint32_t tick)
+/* SAME: every bit is the wanted one. */
+static unsigned outcome_of_state(int soft)
 {
-    few_steps(soft, tick, stop_here);
     if (!(soft ? kelly_driven_untouched(&work.driven) : kelly_block_untouched(&work.block))) {
         return DETECTED;
     }
     return memcmp(&work, &wanted, sizeof(work)) == 0 ? SAME : WRONG;
+}
+
+static unsigned for_a_few_steps(int soft, uint32_t tick)
+{
+    few_steps(soft, tick, stop_here);
+    return outcome_of_state(soft);
+}
+
+/* A vector is loaded lane by lane, and makes a few steps. */
+static void load_all(int soft, void (*strike)(void *))
+{
+    clear_block(soft);
+    for (unsigned lane = 0; lane < KELLY_WIDTH; lane++) {
+        load_lane(soft, lane, lane == KELLY_WIDTH - 1 ? strike : 0);
+    }
+    if (soft) {
+        kelly_driven_advance(&work.driven, FEW);
+    } else {
+        kelly_block_advance(&work.block, FEW);
+    }
+}
+
+static unsigned while_loading(int soft, uint32_t tick)
+{
+    (void)tick;
+    load_all(soft, stop_here);
+    return outcome_of_state(soft);
 }
 
 /* The child's outcome, struck after so many instructions. */
@@ -108,6 +137,37 @@ void flips_within_steps(tally *t, int soft, uint32_t each)
 
         t->flips++;
         t->alone[struck_within(for_a_few_steps, soft, tick, below(WITHIN_STEPS * vectors), s, below(8 * s->bytes))]++;
+    }
+}
+
+/* What a resync writes anew of the first lane, from its begin on. */
+void flips_within_resync(tally *t, int soft, uint32_t flips)
+{
+    run = base;
+    few_steps(soft, KELLY_RESYNC, leave);
+    memcpy(&wanted, &work, sizeof(wanted));
+    for (uint32_t i = 0; i < flips; i++) {
+        real *const at = soft ? (real *)(&work.driven.lane[0].eta + i % 4) : (real *)(&work.block.lane[0].wave + i % 4);
+        const site s = { at, sizeof(real) };          /* eta, phi, sine, cosine; wave, dwave, muf, t1 */
+
+        t->flips++;
+        t->alone[struck_within(for_a_few_steps, soft, KELLY_RESYNC, below(RESYNC_INSTRUCTIONS), &s, below(8 * s.bytes))]++;
+    }
+}
+
+/* Any number of a vector while its last lane is loaded. */
+void flips_within_load(tally *t, int soft, uint32_t flips)
+{
+    run = base;
+    load_all(soft, leave);
+    memcpy(&wanted, &work, sizeof(wanted));
+    site_count = 0;
+    motion_places(soft);
+    for (uint32_t i = 0; i < flips; i++) {
+        const site *const s = &sites[below(site_count)];
+
+        t->flips++;
+        t->alone[struck_within(while_loading, soft, 0, below(LOAD_INSTRUCTIONS), s, below(8 * s->bytes))]++;
     }
 }
 

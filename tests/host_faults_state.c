@@ -76,9 +76,21 @@ void flips_in_state(tally *t, int soft, uint32_t flips)
     flips_in_block(t, state_places, soft, flips);
 }
 
-static void load_lane(int soft, unsigned lane)
+void clear_block(int soft)
+{
+    if (soft) {
+        kelly_driven_clear(&work.driven, &kelly_string, &run, KELLY_WIDTH);
+    } else {
+        kelly_block_clear(&work.block, &kelly_string, &run, KELLY_WIDTH);
+    }
+}
+
+void load_lane(int soft, unsigned lane, void (*strike)(void *))
 {
     EQUAL(kelly_realise(&kelly_string, &run, &clean[lane].draw, &work.modes), KELLY_OK);
+    if (strike) {
+        strike(0);
+    }
     if (soft) {
         kelly_driven_load(&work.driven, lane, &kelly_string, &run, &clean[lane].draw, &work.modes, clean[lane].draw.w0);
     } else {
@@ -91,18 +103,14 @@ void flips_between_loads(int soft, uint32_t flips)
 {
     run = base;
     for (uint32_t i = 0; i <= flips; i++) {
-        if (soft) {
-            kelly_driven_clear(&work.driven, &kelly_string, &run, KELLY_WIDTH);
-        } else {
-            kelly_block_clear(&work.block, &kelly_string, &run, KELLY_WIDTH);
-        }
-        load_lane(soft, 0);
+        clear_block(soft);
+        load_lane(soft, 0, 0);
         site_count = 0;
         motion_places(soft);
         if (i > 0) {                                                      /* the first goes without */
             flip_any(0);
         }
-        load_lane(soft, 1);
+        load_lane(soft, 1, 0);
         EQUAL(soft ? kelly_driven_untouched(&work.driven) : kelly_block_untouched(&work.block), i == 0);
     }
 }

@@ -122,6 +122,7 @@ static void keeps_what_it_saw(unsigned top, uint32_t steps)
         struck++;
         known += !kelly_plant_sane(plant);
     }
+    CHECK(struck > 0);
     EQUAL(known == struck, KELLY_GUARD);
 }
 

@@ -3,6 +3,8 @@
 
 #define GROUP 255u                       /* the code of 254 bytes that no 00 follows */
 
+_Static_assert(KELLY_WIRE_BODY - 5u >= 1u + KELLY_FRAME_MAX / 254u + 1u, "a payload is packed in place: kelly_cobs");
+
 static uint32_t word_at(const uint8_t *at)
 {
     return (uint32_t)at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;

@@ -19,6 +19,7 @@
       \forall integer j; 0 <= j < i ==> \at(r->payload[j], M) == \at(from[j], L);
 */
 
+/* Of no bytes the size is told only when a code has come: the assertion at the end has it whole. */
 /*@ requires n <= KELLY_FRAME_MAX;
     requires \separated(to + (0 .. n + n / 254), from + (0 .. n - 1)) || (\base_addr(to) == \base_addr(from) && from - to >= n / 254 + 1);
     requires \valid(to + (0 .. n + n / 254)) && \valid_read(from + (0 .. n - 1)) && \valid(receiver);

@@ -120,6 +120,17 @@ static void at_exact_phase(void)
     //@ assert \is_finite(block.lane[0].muf) && \is_finite(block.lane[0].t1);
 }
 
+/* From rest, where intervals stay as they are: what a step hands to the next is where it belongs. */
+static void steps_from_rest(unsigned full)
+{
+    block = (kelly_block){ .h = R(1e-3), .modes = KELLY_MODES_MAX, .vectors = KELLY_VECTORS, .full = full };
+    for (unsigned v = 0; v < KELLY_VECTORS; v++) {
+        block.lane[v].inverse = R(1.0);
+    }
+    block.tick = 1;
+    kelly_block_advance(&block, 3);
+}
+
 int main(void)
 {
     real a = R(1e-4);
@@ -135,5 +146,7 @@ int main(void)
         a *= 20;
     }
     at_exact_phase();
+    steps_from_rest(1);
+    steps_from_rest(sizeof(real) > sizeof(float));
     return 0;
 }
