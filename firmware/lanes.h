@@ -147,7 +147,7 @@ KELLY_INLINE void vput(vreal *at, vreal x, vbits *guard)
 }
 
 /* A number of one lane anew, whatever it was. */
-KELLY_INLINE void vput_lane(vreal *at, unsigned l, real x, vbits *guard)
+KELLY_SHARED void vput_lane(vreal *at, unsigned l, real x, vbits *guard)
 {
     vreal all = vtake(at, guard);
 
