@@ -51,7 +51,7 @@ GATES = {
     "fuzz-replay": ("test", 600, f"{PYTHON} tests/check_fuzz.py replay"),
     "fuzz": ("prove", 1200, f"{PYTHON} tests/check_fuzz.py 60"),
     "fuzz-long": ("campaign", 6000, f"{PYTHON} tests/check_fuzz.py 600"),
-    "faults-inside-long": ("prove", 900, "make -s unit && build/host/faults 20000"),
+    "faults-inside-long": ("campaign", 900, "make -s unit && build/host/faults 20000"),
     "faults-inside-lanes-double": ("campaign", 1800, f"make -s unit REAL=double && {PYTHON} tests/check_faults.py double 4000"),
     "faults-inside-double": ("prove", 900, "make -s unit REAL=double && build/host-double/faults 6000"),
     "accuracy-float": ("test", 300, "make -s unit && build/host/accuracy"),
