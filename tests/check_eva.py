@@ -137,6 +137,8 @@ PLANTED = {
     "no check of a text's length": ("messages", "firmware/link/fields.c", "value.low > f->what >> 4 || ", ""),
     "a spread that overflows": ("strings", "firmware/realisation.c", "run->cov[parameter] >= LEAST_COV", "run->cov[parameter] > 0.0f"),
     "digits without end": ("lines", "firmware/app/scpi.c", "++digits > 9u", "++digits > 10u"),
+    "a vector behind the last": ("turns", "firmware/integrator.c", "torque(&block->lane[(v + lag) % vectors], &at[(v + lag) % vectors], 5 - lag);",
+                                 "torque(&block->lane[v + lag], &at[v + lag], 5 - lag);"),
     "a resonance over 0": ("guide", "firmware/rare_guide.c", "square > LEAST_SQUARE ? square : LEAST_SQUARE", "square"),
     "a logarithm over 0": ("normal", "firmware/random.c", "s >= 0x1.0p-62f && ", ""),
 }
