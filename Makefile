@@ -310,6 +310,10 @@ campaign:                                     ## what takes hours: long fuzzing,
 	@sh tests/install $$(sed -E 's/^[a-z]+: //' tests/packages.txt)
 	@$(with_python) tests/gates.py campaign
 
+gate-%:                                       ## one gate of those alone, with its figures: gate-eva, gate-merge (an unknown name lists them)
+	@sh tests/install $$(sed -E 's/^[a-z]+: //' tests/packages.txt)
+	@$(with_python) tests/gates.py '$*'
+
 bench:                                        ## time against the peers in one run: terminal, build/bench.json, build/bench.md; LONG=1 to 1e6
 	@sh tests/bench/run
 
@@ -362,6 +366,6 @@ clean:                                        ## remove build/
 	rm -rf build
 
 help:                                         ## this list
-	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
+	@grep -hE '^[a-z%-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
 
 .PHONY: FORCE all unit convergence run digest size bench readme test prove campaign study map drives figures tables install clean help dist mpi mpi-efficiency fuzzers

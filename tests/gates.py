@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""gates.py - run the gates of a group, as many side by side as there are processors.
+"""gates.py - run the gates of a group, as many side by side as there are processors; or some alone, with their figures printed.
 
-usage: tests/gates.py test|prove|campaign [NAME...]     with names: those gates alone, and their figures printed
+usage: tests/gates.py test|prove|campaign     (make test, make prove, make campaign)
+       tests/gates.py GATE...                 (make gate-NAME)
 
 A gate is a command whose last line is `N passed, N failed`. One that ends otherwise, or with another status than its line
 says, counts as one failure. What failed shows its FAIL lines and the end of what it printed. The last line here is the sum.
@@ -49,6 +50,7 @@ GATES = {
     "faults-inside": ("test", 600, "make -s unit && build/host/faults 3400"),
     "faults-inside-lanes": ("test", 900, f"make -s unit && {PYTHON} tests/check_faults.py float 200"),
     "fuzz-replay": ("test", 600, f"{PYTHON} tests/check_fuzz.py replay"),
+    "eva": ("prove", 1800, f"{PYTHON} tests/check_eva.py"),   # first: one thread, and the others fill what is left
     "fuzz": ("prove", 1200, f"{PYTHON} tests/check_fuzz.py 60"),
     "fuzz-long": ("campaign", 6000, f"{PYTHON} tests/check_fuzz.py 600"),
     "faults-inside-long": ("campaign", 900, "make -s unit && build/host/faults 20000"),
@@ -76,7 +78,6 @@ GATES = {
     "board-coverage": ("prove", 600, f"{PYTHON} tests/check_board_coverage.py"),
     "mutants": ("prove", 1500, f"nice -n 10 {PYTHON} tests/mutate.py --mutants 60 --quick"),
     "all-mutants": ("campaign", 36000, f"nice -n 10 {PYTHON} tests/mutate.py --mutants 300"),
-    "eva": ("prove", 1800, f"{PYTHON} tests/check_eva.py"),
     "eva-double": ("campaign", 3000, f"{PYTHON} tests/check_eva.py --double"),
 }
 GROUPS = ("test", "prove", "campaign")
@@ -131,14 +132,13 @@ class Board:
 
 
 def main():
-    if len(sys.argv) < 2 or sys.argv[1] not in GROUPS:
+    if len(sys.argv) < 2:
         sys.exit(__doc__)
-    group, only = sys.argv[1], sys.argv[2:]
-    names = [n for n in GATES if GATES[n][0] == group]
-    unknown = [n for n in only if n not in names]
+    group, only = (sys.argv[1], []) if sys.argv[1:] in [[g] for g in GROUPS] else (None, sys.argv[1:])
+    unknown = [n for n in only if n not in GATES]
     if unknown:
-        sys.exit(f"gates: {group} has no gate {', '.join(unknown)}; it has: {', '.join(names)}")
-    names = [n for n in names if not only or n in only]
+        sys.exit(f"gates: no gate {', '.join(unknown)}; there are: {', '.join(GATES)}")
+    names = only or [n for n in GATES if GATES[n][0] == group]
     for real in ("float", "double"):   # built once, before gates that run side by side would build it twice
         for goal in ("all", "unit"):
             subprocess.run(["make", "-s", f"-j{os.cpu_count()}", goal, f"REAL={real}"], cwd=ROOT, check=True)
