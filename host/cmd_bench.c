@@ -110,7 +110,10 @@ static int mode_option(bench_request *ask, const char *name, const char *value)
     } else if (strcmp(name, "--frame-ticks") == 0) {
         ask->frame_ticks = (uint32_t)option_whole(name, value, 1, 1000000, "steps a frame, 1..1000000");
     } else if (strcmp(name, "--stream-hz") == 0) {
-        ask->stream_hz = option_number(name, value, 0, 1000, "samples a second, 0..1000");
+        ask->stream_hz = option_number(name, value, 0, 1000, "samples a second, 0 or 0.001..1000");
+        if (ask->stream_hz > 0 && ask->stream_hz < 0.001) {
+            die(EXIT_USAGE, "%s %s: too seldom; give samples a second, 0 or 0.001..1000", name, value);
+        }
     } else if (strcmp(name, "--command-timeout") == 0) {
         ask->command_timeout = option_number(name, value, 0, 3600, "seconds, 0..3600");
     } else if (strcmp(name, "--policy") == 0) {

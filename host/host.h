@@ -65,7 +65,8 @@ void option_drive(kelly_drive *drive, const char *text);
 const char *drive_text(const kelly_drive *drive, char text[DRIVE_TEXT]);
 const char *drive_remark(const kelly_drive *drive, char text[DRIVE_TEXT]);
 
-/* Seconds of a case from its ticks. */
+/* Seconds of a case from its ticks; it has at most STEPS_MOST of them. */
+#define STEPS_MOST 4e9
 double case_seconds(const kelly_case *run, uint32_t ticks);
 
 /* ---- help ---------------------------------------------------------------------------------------------------- */

@@ -136,8 +136,8 @@ static uint32_t ticks_of(const char *option, double seconds, uint32_t step_ns)
     if (fabs(ticks - nearest) > 1e-6 * (1.0 + 1e-6 * nearest)) {
         die(EXIT_USAGE, "%s %g: not a whole number of steps of %g s; give a multiple of the step", option, seconds, (double)step_ns / 1e9);
     }
-    if (nearest > 4.0e9) {
-        die(EXIT_USAGE, "%s %g: too long; at most 4e9 steps, which is %g s here", option, seconds, 4.0 * (double)step_ns);
+    if (nearest > STEPS_MOST) {
+        die(EXIT_USAGE, "%s %g: too long; at most %g steps, which is %g s here", option, seconds, STEPS_MOST, 1e-9 * STEPS_MOST * (double)step_ns);
     }
     return (uint32_t)nearest;
 }

@@ -10,6 +10,7 @@
 
 #define HEADER OUTCOME_HEADER
 #define FIELDS 13
+#define WINDOW "case.window_s"   /* the key of a list */
 #define NEAR 1e-6                /* of a draw, relative: nine digits of it, and of the means of its law, are on file */
 
 const char *const status_names[KELLY_STATUSES] = { "ok", "step", "range", "nonfinite", "corrupt" };
@@ -77,7 +78,7 @@ static void take_key(void *context, const char *path, const char *value)
             f->seen[k] = 1;
         }
     }
-    if (strcmp(path, "case.window_s") == 0 && f->windows < 2) {
+    if (strcmp(path, WINDOW) == 0 && f->windows < 2) {
         f->window[f->windows++] = strtod(value, 0);
     }
     if (f->part && strncmp(path, "case.", 5) == 0) {
@@ -206,6 +207,18 @@ void stored_open_run(stored_run *run, const char *path)
     open_run(run, &f);
 }
 
+/* A time of the case in steps. */
+static uint32_t steps_in(const found *f, const char *key, double seconds, uint32_t step_ns)
+{
+    const double steps = nearbyint(seconds * 1e9 / step_ns);
+
+    if (!(steps >= 0 && steps <= STEPS_MOST)) {
+        die(EXIT_USAGE, "%s: \"%s\" holds %g, which is not 0..%g steps of %g s; give the JSON that the same run of montecarlo wrote", f->path, key,
+            seconds, STEPS_MOST, 1e-9 * step_ns);
+    }
+    return (uint32_t)steps;
+}
+
 /* What a report tells of the case beside the laws: its numbers print again as they were printed. */
 static void open_case(kelly_case *run, const found *f)
 {
@@ -213,9 +226,12 @@ static void open_case(kelly_case *run, const found *f)
     run->torsional = (uint8_t)number_in(f, TORSIONAL, 1, KELLY_MODES_MAX);
     run->rotating = strcmp(f->text[START], "rotating") == 0;
     run->step_ns = (uint32_t)nearbyint(number_in(f, STEP, 1e-6, 1) * 1e9);
-    run->ticks = (uint32_t)nearbyint(number_in(f, DURATION, 1e-6, 1e9) * 1e9 / run->step_ns);
-    run->window_first = (uint32_t)nearbyint(f->window[0] * 1e9 / run->step_ns);
-    run->window_last = (uint32_t)nearbyint(f->window[1] * 1e9 / run->step_ns);
+    run->ticks = steps_in(f, keys[DURATION], f->number[DURATION], run->step_ns);
+    run->window_first = steps_in(f, WINDOW, f->window[0], run->step_ns);
+    run->window_last = steps_in(f, WINDOW, f->window[1], run->step_ns);
+    if (!(run->window_first < run->window_last && run->window_last <= run->ticks)) {
+        die(EXIT_USAGE, "%s: \"" WINDOW "\" is no window within the duration; give the JSON that the same run of montecarlo wrote", f->path);
+    }
     option_drive(&run->drive, f->text[DRIVE]);
 }
 
@@ -245,7 +261,7 @@ void stored_open_part(stored_part *part, const char *path)
     open_run(&part->of, &f);
     for (unsigned k = F0; k <= CRC; k++) {
         if (!f.seen[k] || f.windows != 2) {
-            die(EXIT_USAGE, "%s: no \"%s\"; give the JSON that this version of montecarlo wrote", path, f.seen[k] ? "case.window_s" : keys[k]);
+            die(EXIT_USAGE, "%s: no \"%s\"; give the JSON that this version of montecarlo wrote", path, f.seen[k] ? WINDOW : keys[k]);
         }
     }
     open_case(&part->of.run, &f);

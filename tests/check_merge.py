@@ -171,6 +171,11 @@ def check_misfits(folder):
         bad = re.sub(rb'"%s": ([0-9]+|\[\[.*\]\])' % key.encode(), b'"%s": %s' % (key.encode(), str(value).encode()), report, count=1)
         put(folder, "b.json", sealed(bad))   # the first of that name; of ssi's, which comes later, below
         refused("merge a.json b.json c.json", folder, "b.json", '"' + key.replace("step", "refused_by.step").replace("nonfinite", "refused"))
+    for key, value in (("window_s", [1e300, 4]), ("window_s", [-1, 4]), ("window_s", [4, 2]), ("window_s", [2, 2]), ("window_s", [2, 5]), ("duration_s", 1e30),
+                       ("duration_s", 1e9), ("duration_s", -1)):
+        bad = re.sub(rb'"%s": ([0-9.]+|\[.*?\])' % key.encode(), b'"%s": %s' % (key.encode(), str(value).encode()), report, count=1)
+        put(folder, "b.json", sealed(bad))
+        refused("merge b.json", folder, "b.json", f'"case.{key}"')
     for old, new in ((rb'("ssi": .*"stuck": )[0-9]+', rb"\g<1>31"), (rb'(refused_first": \[\[)[0-9]+', rb"\g<1>7"), (b'"range"\\]', b'"ok"]')):
         put(folder, "b.json", sealed(re.sub(old, new, report, count=1)))
         refused("merge a.json b.json c.json", folder, "b.json")
