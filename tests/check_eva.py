@@ -117,7 +117,7 @@ ASSUMED = [
     "of 9 led moves of 8 steps make; hints within 1e6, a level of them within 1e9, variances of a level within 1e9",
     "rare.h: speeds of 0.01 rad/s and more, 10 torsional modes, under a guide or hint that lies within the ranges of string_model.h",
     "link.h, wits.h: numbers within 1e30; sobol.h: values within 1e12, and its root falls from 1 + x",
-    "a board's line has 80 bytes; keys of 1, 4 and 7 characters stand for those between",
+    "a board's line has 80 bytes; its keys have 1 to 7 characters",
     "host programs are not analysed: their parsers (options, journal, stored runs) are fuzzed",
 ]
 

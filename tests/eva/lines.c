@@ -1,4 +1,4 @@
-/* scpi.h with the console's patterns, line.h with keys of 1, 4 and 7 characters: any text of up to 79 bytes and its final 0, at latest where
+/* scpi.h with the console's patterns, line.h with keys of 1 to 7 characters: any text of up to 79 bytes and its final 0, at latest where
  * the array ends. A text that begins further on in the array is a shorter one. */
 #include "board.h"
 #include "contracts.h"
@@ -76,8 +76,8 @@ int main(void)
     number();
     headers();
     (void)line_ask(line);
-    //@ loop unroll 3;
-    for (unsigned length = 1; length < KEY_MAX; length += 3) {
+    //@ loop unroll 7;
+    for (unsigned length = 1; length < KEY_MAX; length++) {
         values(length);
     }
     return 0;
