@@ -179,7 +179,7 @@ $(dir)/random-stream: $(dir)/tests/random_stream.o $(dir)/detmath.o $(dir)/rando
 
 # The device program as a process of this machine.
 device_objects := $(patsubst firmware/%.c,$(dir)/%.o,$(wildcard firmware/app/*.c)) $(dir)/tests/board_here.o
-$(device_objects): CPPFLAGS += -DBOARD_NAME='"here"'
+$(device_objects): private CPPFLAGS += -DBOARD_NAME='"here"'
 $(dir)/device: $(device_objects) $(library) $(table_objects)
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -o $@
 

@@ -42,6 +42,10 @@ def claims(folder):
     before, built = version(), stamp()
     make("WELL=" + first)
     yield stamp() == built, "nothing changed, nothing is built"
+    for other in ("device", "app-unit"):
+        done = make("WELL=" + first, f"build/host-{NAME}/{other}")
+        make("WELL=" + first)
+        yield done.returncode == 0 and stamp() == built, f"{other} is another program of the same flags, nothing else is built: {done.stderr[-200:]}"
     edited = text.replace("mass_per_s = 0.1", "mass_per_s = 0.11")
     with open(first, "w", encoding="utf-8") as file:
         file.write(edited)
