@@ -18,11 +18,24 @@
 
 /* ---- order --------------------------------------------------------------------------------------------------------- */
 
+/*@ predicate heap_from(uint32_t *keys, integer top, integer n) = \forall integer c; 2 * top + 1 <= c < n ==> keys[(c - 1) / 2] >= keys[c]; */
+
 /* Let keys[i] sink within the heap keys[0..n-1], the largest on top. */
+/*@ requires n <= KELLY_RARE_MAX && i <= KELLY_RARE_MAX && \valid(keys + (0 .. n - 1)) && \valid(keys + i);
+    assigns keys[0 .. n - 1], keys[i] \from keys[0 .. n - 1], keys[i], n, i;
+    behavior given:
+      assumes heap_from(keys, i + 1, n);
+      ensures heap_from(keys, i, n); */
 static void sink(uint32_t *keys, uint32_t n, uint32_t i)
 {
     const uint32_t key = keys[i];
 
+    /*@ loop invariant \at(i, Pre) <= i && (i < n || i == \at(i, Pre)) && child == 2 * i + 1;
+        for given: loop invariant \forall integer c; 2 * \at(i, Pre) + 1 <= c < n && (c - 1) / 2 != i ==> keys[(c - 1) / 2] >= keys[c];
+        for given: loop invariant i > \at(i, Pre) ==> (i - 1) / 2 >= \at(i, Pre) && keys[(i - 1) / 2] > key;
+        for given: loop invariant i > \at(i, Pre) ==> \forall integer c; 2 * i + 1 <= c <= 2 * i + 2 && c < n ==> keys[(i - 1) / 2] >= keys[c];
+        loop assigns i, child, keys[0 .. n - 1];
+        loop variant n - i; */
     for (uint32_t child = 2 * i + 1; child < n; child = 2 * i + 1) {
         const uint32_t larger = child + 1 < n && keys[child + 1] > keys[child] ? child + 1 : child;
 
@@ -35,18 +48,36 @@ static void sink(uint32_t *keys, uint32_t n, uint32_t i)
     keys[i] = key;
 }
 
+/*@ requires n <= KELLY_RARE_MAX && \valid(keys + (0 .. n - 1));
+    assigns keys[0 .. n - 1] \from keys[0 .. n - 1], n;
+    ensures heap_from(keys, 0, n); */
 static void heap(uint32_t *keys, uint32_t n)
 {
+    /*@ loop invariant 0 <= i <= n / 2 && heap_from(keys, i, n);
+        loop assigns i, keys[0 .. n - 1];
+        loop variant i; */
     for (uint32_t i = n / 2; i > 0; i--) {
         sink(keys, n, i - 1);
     }
 }
 
 /* Take the largest of n > 0 away. */
+/*@ requires 0 < n <= KELLY_RARE_MAX && \valid(keys + (0 .. n - 1));
+    assigns keys[0 .. n - 1], \result \from keys[0 .. n - 1], n;
+    behavior given:
+      assumes heap_from(keys, 0, n);
+      ensures heap_from(keys, 0, n - 1);
+      ensures \forall integer j; 0 <= j < n ==> \result >= \old(keys[j]); */
 static uint32_t pop(uint32_t *keys, uint32_t n)
 {
     const uint32_t top = keys[0];
 
+    /*@ ghost
+        /@ loop invariant 1 <= c <= n;
+           for given: loop invariant \forall integer j; 0 <= j < c ==> top >= keys[j];
+           loop assigns c;
+           loop variant n - c; @/
+        for (uint32_t c = 1; c < n; c++) {} */
     keys[0] = keys[n - 1];
     sink(keys, n - 1, 0);
     return top;

@@ -96,6 +96,7 @@ WP = {
     "packing": (["firmware/link/frame"], "kelly_cobs", SPLIT, "-wp-prop packed -wp-timeout 10"),
     "unpacking": (["firmware/link/frame", "tests/eva/roundtrip"], "append,kelly_receive", SPLIT, "-wp-timeout 10"),
     "round trip": (["firmware/link/frame", "tests/eva/roundtrip"], "round_trip", SPLIT, "-wp-prop one -wp-timeout 30"),
+    "heap": (["firmware/rare"], "sink,heap,pop", SPLIT, "-wp-timeout 5"),
     "ring": (["firmware/app/out"], "send_one,out_defer,out_pump,out_room,out_byte", "-wp-timeout 40", "-wp-timeout 10"),
 }
 
@@ -113,8 +114,8 @@ ASSUMED = [
     "plant.h: mu within 3 m, f0 within 5e5 N; readings of a sane string, speeds within 1e6 rad/s, modal values within 1e15",
     "ensemble.h: windows that open before step 1, 32768 or 2^31 and close no earlier stand for all; propagators are stubs there",
     "tally.h: the continued fraction of the incomplete beta function stays within 1e12",
-    "rare.h: levels of 40 samples (a look's of 4) stand for all; a walk stays within |x| of 1000, as 9.3 sqrt(1 + moves) is all that 11 levels "
-    "of 9 led moves of 8 steps make; hints within 1e6, a level of them within 1e9, variances of a level within 1e9",
+    "rare.h: levels of 40 samples (a look's of 4) stand for all, but in the order of guides (WP); a walk stays within |x| of 1000, as "
+    "9.3 sqrt(1 + moves) is all that 11 levels of 9 led moves of 8 steps make; hints within 1e6, a level of them within 1e9, variances of a level within 1e9",
     "rare.h: speeds of 0.01 rad/s and more, 10 torsional modes, under a guide or hint that lies within the ranges of string_model.h",
     "link.h, wits.h: numbers within 1e30; sobol.h: values within 1e12, and its root falls from 1 + x",
     "a board's line has 80 bytes; its keys have 1 to 7 characters",
@@ -125,6 +126,7 @@ ASSUMED = [
 PLANTED = {
     "a ring one byte too full": ("ring", "firmware/app/out.c", "if (waiting == OUT_RING) {", "if (waiting > OUT_RING) {"),
     "a byte in another's place": ("ring", "firmware/app/out.c", "ring[(oldest + waiting) % OUT_RING] = byte;", "ring[waiting % OUT_RING] = byte;"),
+    "a child beyond the heap": ("heap", "firmware/rare.c", "child + 1 < n && keys[child + 1]", "child + 1 <= n && keys[child + 1]"),
     "a byte that is not sent": ("ring", "firmware/app/out.c", "    board_write(ring[oldest]);\n", ""),
     "a byte that is dropped": ("ring", "firmware/app/out.c", "        board_write(byte);\n", ""),
     "off by one in COBS": ("packing", "firmware/link/frame.c", "if (at - code_at == GROUP) {", "if (at - code_at == GROUP + 1u) {"),
@@ -183,10 +185,10 @@ def eva(root, name, driver):
 
 
 def open_ones(lines):
-    """Alarms and contracts in doubt. Contracts that a driver uses (contracts.h) are proved by another, what a function ensures in a file of
-    WP by that; `reachability` is no property of the program."""
+    """Alarms and contracts in doubt. Contracts that a driver uses (contracts.h) are proved by another, what a function ensures and what a
+    loop keeps in a file of WP by that; `reachability` is no property of the program."""
     by_wp = "|".join(re.escape(f"{files[0]}.c") for files, *_ in WP.values())
-    found = [line[5:] for line in lines if line.startswith("open ") and not re.match(rf"open (?:{by_wp}):\d+ ensures ", line)]
+    found = [line[5:] for line in lines if line.startswith("open ") and not re.match(rf"open (?:{by_wp}):\d+ (ensures|(for given: )?loop invariant) ", line)]
     return [f for f in found if not re.search(" reachability (of|post) ", f) and not f.startswith(USED)
             and not re.match(r"\S+ (default behavior|behavior given$|assigns )", f)]
 
@@ -264,9 +266,12 @@ def prove_contracts(coverage):
         proved, goals = proved + p, goals + g
     for file in sorted({files[0] for files, *_ in WP.values()}):
         with open(os.path.join(ROOT, file + ".c"), encoding="utf-8") as source:
-            promising = re.findall(r"ensures [^*]*\*/\n[\w *]*?\**(\w+)\(", source.read())
+            text = source.read()
+        promising = re.findall(r"ensures [^*]*\*/\n[\w *]*?\**(\w+)\(", text)
+        bodies = re.findall(r"^[a-z][\w *]*?\**(\w+)\([^;{]*\n\{\n(.*?)^\}", text, re.M | re.S)
+        promising += [function for function, body in bodies if "loop invariant" in body]
         done = [function for files, functions, *_ in WP.values() if files[0] == file for function in functions.split(",")]
-        claim(set(promising) <= set(done), f"WP: {file}: {promising} ensure something, {done} are proved")
+        claim(set(promising) <= set(done), f"WP: {file}: {promising} promise something, {done} are proved")
     return proved, goals
 
 
