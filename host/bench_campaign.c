@@ -355,7 +355,7 @@ static void recall(campaign *c)
     kelly_result r;
     uint32_t at;
 
-    job_log(&c->out.log, c->opts, outcome_beside(c->opts), &(journal_run){ .kind = "bench", .records = c->opts->samples, .payload = sizeof(r) });
+    job_log(&c->out.log, c->opts, outcome_beside(c->opts), &(journal_run){ .kind = "bench", .records = c->opts->samples, .payload = sizeof(r), .sound = results_sound });
     while (journal_next(&c->out.log, &at, &r)) {
         if (!c->cells[at].done) {
             take_first(c, at, &r, NO_BOARD);

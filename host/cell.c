@@ -33,16 +33,33 @@ void cell_pack(const cell *c, uint8_t payload[CELL_PAYLOAD])
     }
 }
 
-void cell_unpack(cell *c, const uint8_t payload[CELL_PAYLOAD])
+static void unpack(kelly_tally *t, const uint8_t payload[CELL_PAYLOAD])
 {
-    kelly_tally *const t = &c->tally;
     uint32_t *const words[CELL_PAYLOAD / 4] = { &t->samples, &t->stuck, &t->liftoff, &t->status[0], &t->status[1], &t->status[2], &t->status[3],
                                                 &t->digest };
 
     for (unsigned k = 0; k < CELL_PAYLOAD / 4; k++) {
         *words[k] = get_u32(&payload[(size_t)4 * k]);
     }
-    kelly_interval(t, &c->lo, &c->hi);
+}
+
+void cell_unpack(cell *c, const uint8_t payload[CELL_PAYLOAD])
+{
+    unpack(&c->tally, payload);
+    kelly_interval(&c->tally, &c->lo, &c->hi);
+}
+
+int cell_sound(const void *payload, size_t size)
+{
+    kelly_tally t = { 0 };
+    uint64_t sum = 0;
+
+    (void)size;
+    unpack(&t, payload);
+    for (unsigned k = 0; k < KELLY_STATUSES; k++) {
+        sum += t.status[k];
+    }
+    return t.samples > 0 && sum == t.samples && t.stuck <= t.status[KELLY_OK] && t.liftoff <= t.samples;
 }
 
 void cells_recall(journal *log, cell *cells)

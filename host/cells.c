@@ -156,9 +156,7 @@ static void close_segment(workshop *w, segment *g)
     uint32_t more;
 
     for (uint32_t i = 0; i < g->count; i++) {
-        if (g->results[i].status == KELLY_CORRUPT) {
-            die(EXIT_FAILED, "realisation %u: a number in memory changed while it ran; look at this machine's memory, and run again", g->base + i);
-        }
+        check_intact(&g->results[i], g->base + i);
         kelly_tally_add(&c->tally, g->base + i, &g->results[i]);
     }
     kelly_interval(&c->tally, &c->lo, &c->hi);
@@ -257,7 +255,7 @@ static void run_errand(void *context, const errand *e)
 {
     const follower *const f = context;
 
-    f->s->engine->run(&kelly_string, e->input, f->s->opts->seed, e->first, e->count, e->results, f->work);
+    engine_run(f->s->engine, f->s->opts, e->input, e->first, e->count, e->results, f->work);
 }
 
 void cells_follow(const study *s)

@@ -140,7 +140,8 @@ static void open_journal(advice *a)
              a->limit, a->now.rpm, a->now.wob_kN, a->range[0].lo, a->range[0].hi, a->range[1].lo, a->range[1].hi);
     if (beside) {
         journal_open(&a->log, beside, &(journal_run){ .kind = "advise", .model = kelly_string.id, .seed = a->opts.seed,
-                     .parameters = kelly_crc32c(0, (const uint8_t *)text, strlen(text)), .records = RECORDS, .payload = CELL_PAYLOAD },
+                     .parameters = kelly_crc32c(0, (const uint8_t *)text, strlen(text)), .records = RECORDS, .payload = CELL_PAYLOAD,
+                     .twice = a->opts.twice, .sound = cell_sound },
                      a->opts.resume);
         cells_recall(&a->log, a->known);
         a->how.log = &a->log;

@@ -141,7 +141,7 @@ static void open_journal(map_run *m)
     }
     if (beside) {
         journal_open(&m->log, beside, &(journal_run){ .kind = "map", .model = kelly_string.id, .seed = m->opts.seed, .parameters = parameters(m),
-                     .records = m->map.records, .payload = CELL_PAYLOAD }, m->opts.resume);
+                     .records = m->map.records, .payload = CELL_PAYLOAD, .twice = m->opts.twice, .sound = cell_sound }, m->opts.resume);
         cells_recall(&m->log, m->map.cells);
         m->how.log = &m->log;
     }

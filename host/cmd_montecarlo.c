@@ -55,7 +55,7 @@ int command_montecarlo(int argc, char **argv)
         envelope_reserve(&out.envelope, &opts);
         outcome_open(&out, &opts, engine->name);
     }
-    job_log(&out.log, &opts, beside, &(journal_run){ .kind = "montecarlo", .records = opts.samples, .payload = sizeof(kelly_result), .in_order = 1 });
+    job_log(&out.log, &opts, beside, &(journal_run){ .kind = "montecarlo", .records = opts.samples, .payload = sizeof(kelly_result), .in_order = 1, .sound = results_sound });
     run_job(&opts, &(job){ .work = work_piece, .work_size = engine->work_size, .result_size = sizeof(kelly_result),
                            .width = engine->width, .lanes = engine_lanes(engine, &opts.run), .log = &out.log,
                            .enough = out.until.rule.alpha > 0 ? &out.until.enough : 0 }, outcome_take, &out);

@@ -28,6 +28,7 @@ static void take_batch(void *context, uint32_t first, uint32_t count, const void
     const kelly_result *const r = results;
 
     for (uint32_t i = 0; i < count; i++) {
+        check_intact(&r[i], s->out.tally.samples + i);
         s->at_work->samples[s->at_work->first + first + i].guide = kelly_rare_guide(&kelly_string, &s->opts->run, &r[i]);
     }
     outcome_take(&s->out, s->out.tally.samples, count, results);
@@ -213,7 +214,7 @@ int command_rare(int argc, char **argv)
         outfile_open(&json, opts.json);
     }
     job_log(&s->log, &opts, beside, &(journal_run){ .kind = "rare", .parameters = s->samples, .records = s->samples * (KELLY_RARE_LEVELS + 2),
-            .payload = sizeof(kelly_result), .in_order = 1 });
+            .payload = sizeof(kelly_result), .in_order = 1, .sound = results_sound });
     run_search(s);
     if (team_rank() > 0) {
         return EXIT_DONE;

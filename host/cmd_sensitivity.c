@@ -258,7 +258,7 @@ int command_sensitivity(int argc, char **argv)
         outfile_open(&json, opts.json);
     }
     job_log(&log, &opts, beside, &(journal_run){ .kind = "sensitivity", .records = opts.samples,
-            .payload = (uint32_t)((2 + out.random) * sizeof(kelly_result)), .in_order = 1 });
+            .payload = (uint32_t)((2 + out.random) * sizeof(kelly_result)), .in_order = 1, .sound = results_sound });
     run_job(&opts, &(job){ .work = work_rows, .work_size = draws_at() + (size_t)engine->width * KELLY_SOBOL_ROW * sizeof(kelly_draw),
                            .result_size = (2 + out.random) * sizeof(kelly_result), .width = engine->width, .lanes = engine->width,
                            .log = &log }, take_batch, &out);

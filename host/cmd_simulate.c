@@ -65,8 +65,8 @@ static void run_to(FILE *to, field_file *field, kelly_plant *plant, const option
     sight_line(to, 0.0, &sight);
     field_write(field, plant, 0.0);
     while (tick < run->ticks) {
-        const uint32_t line = tick + opts->out_ticks - tick % opts->out_ticks;
-        uint32_t next = line < run->ticks ? line : run->ticks;
+        const uint32_t to_line = opts->out_ticks - tick % opts->out_ticks;
+        uint32_t next = to_line < run->ticks - tick ? tick + to_line : run->ticks;
 
         if (tick < run->window_first && next > run->window_first) {
             next = run->window_first;

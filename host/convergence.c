@@ -71,7 +71,7 @@ static double response(const options *opts, uint32_t index, scratch *s)
     gram_at(kelly_string_shapes.axial_gram, s->plant.axial.count, draw.fc, s->axial_gram);
     last = norm2(s);
     sum = 0;
-    for (uint32_t tick = 0; tick + opts->out_ticks <= opts->run.ticks; tick += opts->out_ticks) {
+    for (uint32_t left = opts->run.ticks; left >= opts->out_ticks; left -= opts->out_ticks) {
         double next;
 
         kelly_plant_advance(&s->plant, opts->out_ticks);

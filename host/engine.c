@@ -1,4 +1,5 @@
 /* engine.c - which build of the kernel this processor runs. */
+#include <math.h>
 #include <stddef.h>
 #include <string.h>
 
@@ -74,6 +75,27 @@ static void settle(kelly_result *results, const kelly_result *again, uint32_t co
             results[i] = (kelly_result){ .draw = results[i].draw, .status = KELLY_CORRUPT, .liftoff = results[i].liftoff };
         }
     }
+}
+
+void check_intact(const kelly_result *result, uint32_t index)
+{
+    if (result->status == KELLY_CORRUPT) {
+        die(EXIT_FAILED, "realisation %u: a number in memory changed while it ran; look at this machine's memory, and run again", index);
+    }
+}
+
+int results_sound(const void *payload, size_t size)
+{
+    for (size_t at = 0; at + sizeof(kelly_result) <= size; at += sizeof(kelly_result)) {
+        kelly_result r;
+
+        memcpy(&r, (const char *)payload + at, sizeof(r));
+        if (r.status >= KELLY_CORRUPT || r.stuck > (r.status == KELLY_OK) || r.liftoff > 1 || !isfinite(r.lowest) || !isfinite(r.highest) ||
+            !isfinite(r.mean) || !isfinite(r.ss)) {
+            return 0;
+        }
+    }
+    return 1;
 }
 
 void engine_run(const kelly_engine *e, const options *opts, const kelly_case *run, uint32_t first, uint32_t count,

@@ -371,6 +371,21 @@ static void write_traces(FILE *to, unsigned quantity)
     }
 }
 
+/* A realisation as the journal has it: a flag, and numbers that are finite where it counts. */
+static int trace_sound(const void *payload, size_t size)
+{
+    for (size_t at = 0; at < size; at += sizeof(real)) {
+        real x, counts;
+
+        memcpy(&counts, payload, sizeof(counts));
+        memcpy(&x, (const char *)payload + at, sizeof(x));
+        if (counts != 0 && !(counts == 1 && isfinite(x))) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
 void envelope_run(envelope_request *ask, const options *opts, const char *beside, journal *log)
 {
     options all = *opts;         /* the context of a sink is not const */
@@ -381,7 +396,7 @@ void envelope_run(envelope_request *ask, const options *opts, const char *beside
     }
     snprintf(path, sizeof(path), "%s.envelope", beside ? beside : "");
     job_log(log, opts, beside ? path : 0, &(journal_run){ .kind = "envelope", .parameters = opts->out_ticks ^ (uint32_t)opts->run.axial << 24,
-            .records = opts->samples, .payload = (uint32_t)(left_by_one() * sizeof(real)), .in_order = 1 });
+            .records = opts->samples, .payload = (uint32_t)(left_by_one() * sizeof(real)), .in_order = 1, .sound = trace_sound });
     store.samples = opts->samples;   /* of a run that stopped itself fewer than were asked for */
     run_job(opts, &(job){ .work = run_piece, .work_size = sizeof(kelly_plant), .result_size = left_by_one() * sizeof(real), .width = 1,
                           .lanes = 4, .log = log, .lead_alone = 1 }, keep, &all);

@@ -123,10 +123,17 @@ double f0_at(const options *opts, int f0_given, double wob_kN)
     return decimal(f0_given ? (double)opts->run.f0 / 1000.0 : wob_kN * ((double)nominal->f0 / (double)nominal->fc));
 }
 
-/* Shared options that need no value: what follows them is an option again. */
+/* Shared options that need no value (parse_flag in options.c): what follows them is an option again. */
 static int is_flag(const char *name)
 {
-    return strcmp(name, "--convergence") == 0 || strcmp(name, "--quiet") == 0 || strcmp(name, "--resume") == 0;
+    static const char *const flags[] = { "--convergence", "--help", "--quiet", "--resume", "--twice" };
+
+    for (unsigned k = 0; k < sizeof(flags) / sizeof(*flags); k++) {
+        if (strcmp(name, flags[k]) == 0) {
+            return 1;
+        }
+    }
+    return 0;
 }
 
 /* 1 if argv[0] is `name` alone, 2 if it is name=value. */

@@ -14,6 +14,7 @@
 #define VERSION 1u
 #define SYNC_EVERY 5.0           /* [s] */
 #define TOGETHER 4096u           /* bytes in one write */
+#define TWICE 0x74776963u        /* what sets the parameters of a run that runs twice apart */
 
 /* The header: where each field lies. Names are cut to their length; the CRC of the whole model id is in `parameters`. */
 enum { AT_VERSION = 8, AT_REAL = 12, AT_PAYLOAD = 16, AT_RECORDS = 20, AT_PARAMETERS = 24, AT_SEED = 28, AT_KIND = 36, AT_MODEL = 52,
@@ -60,7 +61,7 @@ static void make_header(uint8_t header[HEADER], const journal_run *run)
     put_u32(header + AT_REAL, (uint32_t)sizeof(real));
     put_u32(header + AT_PAYLOAD, run->payload);
     put_u32(header + AT_RECORDS, run->records);
-    put_u32(header + AT_PARAMETERS, kelly_crc32c(run->parameters, (const uint8_t *)run->model, strlen(run->model)));
+    put_u32(header + AT_PARAMETERS, kelly_crc32c(run->parameters ^ (run->twice ? TWICE : 0), (const uint8_t *)run->model, strlen(run->model)));
     put_u32(header + AT_SEED, (uint32_t)run->seed);
     put_u32(header + AT_SEED + 4, (uint32_t)(run->seed >> 32));
     strncpy((char *)header + AT_KIND, run->kind, AT_MODEL - AT_KIND - 1);
@@ -146,7 +147,7 @@ static void compare(const journal *j, const uint8_t have[HEADER], const uint8_t 
         refuse(j, what);
     }
     if (memcmp(have, want, HEADER) != 0) {
-        refuse(j, "another case, grid or number of samples");
+        refuse(j, "another case, grid or number of samples, or with --twice and without");
     }
 }
 
@@ -225,7 +226,7 @@ void journal_open(journal *j, const char *output, const journal_run *run, int re
     uint8_t have[HEADER], want[HEADER];
     size_t length;
 
-    *j = (journal){ .payload = run->payload, .records = run->records, .in_order = run->in_order, .path = malloc(strlen(output) + sizeof(".journal")) };
+    *j = (journal){ .payload = run->payload, .records = run->records, .in_order = run->in_order, .sound = run->sound, .path = malloc(strlen(output) + sizeof(".journal")) };
     if (!j->path) {
         die(EXIT_FAILED, "%s: out of memory", output);
     }
@@ -272,7 +273,7 @@ int journal_next(journal *j, uint32_t *index, void *payload)
     }
     if (fread(number, 4, 1, j->earlier) != 1 || fread(payload, j->payload, 1, j->earlier) != 1 || fread(crc, 4, 1, j->earlier) != 1 ||
         get_u32(crc) != record_crc(number, payload, j->payload) || get_u32(number) >= j->records ||
-        (j->in_order && get_u32(number) != j->next)) {
+        (j->in_order && get_u32(number) != j->next) || (j->sound && !j->sound(payload, j->payload))) {
         end_of_earlier(j);
         return 0;
     }

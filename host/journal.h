@@ -25,6 +25,8 @@ typedef struct journal_run {
     uint32_t records;            /* indices are 0 .. records - 1 */
     uint32_t payload;            /* bytes of one record's payload, at least 1 */
     int in_order;                /* indices come as 0, 1, 2, ...: another one is unsound */
+    int twice;                   /* each record is of two runs that agreed (--twice) */
+    int (*sound)(const void *payload, size_t size);   /* whether it can be one of this kind; 0: any can */
 } journal_run;
 
 /* Fields are not to be touched; `next` may be read. Zeros: not open. */
@@ -34,6 +36,7 @@ typedef struct journal {
     FILE *earlier;               /* records of an earlier run that were not handed out yet, or 0 */
     uint32_t payload, records;
     int in_order;
+    int (*sound)(const void *payload, size_t size);
     uint32_t next;               /* records that were handed out or appended */
     double synced;               /* when, monotonic [s] */
 } journal;
@@ -47,8 +50,8 @@ uint32_t case_identity(const kelly_case *run);
  * where another process writes it or the file cannot be read or written. Says on stderr what it drops and from where it goes on. */
 void journal_open(journal *j, const char *output, const journal_run *run, int resume);
 
-/* The next sound record of an earlier run, in the order in which they were written; 0: there is none any more, what was behind is cut
- * off, and records may be appended; `index` and `payload` then hold nothing of use. */
+/* The next sound record of an earlier run, in the order in which they were written: whole, with its CRC, of an index and contents that can
+ * be. 0: there is none any more, what was behind is cut off, and records may be appended; `index` and `payload` then hold nothing of use. */
 int journal_next(journal *j, uint32_t *index, void *payload);
 
 /* Append the records of indices first .. first + count - 1, payloads one behind the other, in few writes. Dies with exit 1 if that

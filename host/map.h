@@ -49,6 +49,9 @@ double cell_probability(const cell *c);
 void cell_pack(const cell *c, uint8_t payload[CELL_PAYLOAD]);
 void cell_unpack(cell *c, const uint8_t payload[CELL_PAYLOAD]);
 
+/* Whether a payload is a tally that can be. */
+int cell_sound(const void *payload, size_t size);
+
 /* Tallies that a journal holds of an earlier run; cells[i] is record i. */
 void cells_recall(journal *log, cell *cells);
 

@@ -286,6 +286,7 @@ void job_log(journal *log, const options *opts, const char *beside, const journa
 
     all.model = kelly_string.id;
     all.seed = opts->seed;
+    all.twice = opts->twice;
     all.parameters = kelly_crc32c(kelly_crc32c(0, (const uint8_t *)run, sizeof(run)), (const uint8_t *)&sample, sizeof(sample));
     if (beside && team_rank() == 0) {
         journal_open(log, beside, &all, opts->resume);

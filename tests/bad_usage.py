@@ -45,6 +45,7 @@ USAGE = [
     "bench --port qemu:rv32 --mode realtime --out b --wits ./b", "bench --port qemu:rv32 --mode lockstep --profile p.csv --out ./p.csv",
     f"{MC} --resume", f"{MC} --resume --csv -", f"{MC} --resume --json /dev/null", f"{MC} --resume=1 --csv x.csv", f"{SIM} --resume", "modes --resume",
     "sensitivity --resume", "advise --resume", "rare --resume", "map --resume", "merge", "merge --json x.json", "merge a.txt", "merge a.csv --threads 2",
+    "rare --twice --csv x.csv --duration 2", "rare --twice --samples 5", "map --twice --start rotating", "advise --twice --convergence", "map --help=1",
     "merge nothing.csv", "plan --cores 0", "plan --cores 1e7", "plan --samples 0", "plan --csv x", "plan --lines maybe", "plan --message -1",
     "simulate --step 0.005", "simulate --wob 0.5", "simulate --wob 2000", "simulate --mu 1", "simulate --alpha1 100",
 ]

@@ -23,6 +23,7 @@ from scipy.stats import beta
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import bad_usage  # noqa: E402
+from check_digests import engines as engines_of  # noqa: E402
 from programs import PROGRAM, chosen, command_line  # noqa: E402
 from second_opinion import RPM, String, crc32c, modes  # noqa: E402
 
@@ -227,8 +228,7 @@ def record(row):
 def engines():
     found = kelly("float", "montecarlo --engine none").stderr
     widest = re.search(r"the widest here is (\w+)", found).group(1)
-    order = ("scalar", "sse2", "avx2", "avx512", "vector")
-    return [e for e in order if kelly("float", f"montecarlo --samples 1 --duration 1 --engine {e}").returncode == 0], widest
+    return engines_of(PROGRAM["float"]), widest
 
 
 def check_cuts():
@@ -362,6 +362,22 @@ def check_links():
                   f"a link stays a link, there: {there}: {made.stderr!r} {os.listdir(where + '/sub')}")
         claim(kelly("float", f"{case} --csv one --json other", cwd=where).returncode == 0 and os.path.exists(f"{where}/other"), "two places are two places")
         claim(sorted(os.listdir(where)) == ["here", "one", "other", "round", "sub", "three", "two"], f"left behind: {os.listdir(where)}")
+
+
+def check_flags():
+    """An option without a value means the same wherever it stands, and takes nothing of what follows; --twice changes no result of a sound machine."""
+    short, long = "--mu 0.004 --duration 2 --window 1:2 --threads 2 --cov 0.2", "--mu 0.004 --start rotating --duration 10"
+    for command, args, case in (("montecarlo", "--rpm 140 --samples 20", short), ("map", "--rpm 100:120:20 --wob 80 --f0 10 --samples 20", short),
+                                ("advise", "--rpm 140 --samples 20 --below 0.5", short), ("sensitivity", "--rpm 140 --samples 20", short),
+                                ("rare", "--rpm 125 --samples-per-level 1000", long)):
+        def said(more):
+            return re.sub(r'"(seconds|crc32c)": .*', "", done("float", f"{command} {more} --json -"))
+        want = said(f"{args} {case}")
+        flags = re.findall(r"^  (--[a-z-]+)  ", kelly("float", command + " --help").stdout, re.M)
+        claim({"--twice", "--quiet", "--help"} <= set(flags), f"{command}: options without a value in its help: {flags}")
+        for flag in set(flags) - {"--help", "--resume", "--convergence"}:
+            for line in (f"{flag} {args} {case}", f"{args} {flag} {case}", f"{args} {case} {flag}"):
+                claim(said(line) == want, f"{command} {line}: another result than without {flag}")
 
 
 def check_help():

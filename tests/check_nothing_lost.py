@@ -5,6 +5,7 @@ usage: tests/check_nothing_lost.py [--float build/host/kelly] [--double build/ho
 
 Each claim that fails is one line; the last line is `N passed, N failed`. NAME picks single checks.
 """
+import math
 import os
 import random
 import re
@@ -270,6 +271,12 @@ def check_order(folder):
     for bad in (records(journal)[:7] + records(journal)[8:], records(journal)[:7] + records(journal)[6:]):
         only(place, journal[:HEADER] + b"".join(bad))
         claim("torn" in resumed(place, SMALL, want, "a record left out, or twice there")[1], "a record left out, or twice there: said")
+    for at, value in ((40, b"\xc8"), (40, b"\x04"), (41, b"\x02"), (42, b"\x02"), (36, struct.pack("<f", math.nan)), (24, struct.pack("<f", math.inf))):
+        bad = bytearray(records(journal)[7])
+        bad[at:at + len(value)] = value
+        bad[-4:] = struct.pack("<I", crc32c(bytes(bad[:-4])))
+        only(place, journal[:HEADER + 7 * RECORD] + bytes(bad) + journal[HEADER + 8 * RECORD:])
+        claim("torn" in resumed(place, SMALL, want, f"what cannot be at {at}")[1], f"what cannot be at {at}: said")
     only(place, forged(journal))
     place.run(SMALL + " --resume")
     claim(place.results() != want, "what the journal holds is not run again")
@@ -278,7 +285,8 @@ def check_order(folder):
 # ---- the other long commands
 
 def check_commands(folder):
-    """All commands that keep a journal: killed within the first and last calls, and every sixth between; each goes on."""
+    """All commands that keep a journal: killed within the first and last calls, and every sixth between; each goes on. What ran once is no part of
+    a run with --twice, and a record that cannot be, with its right CRC, is run again (a time of --convergence can be anything)."""
     done = 0
     for name, run, outputs in (
             ("sensitivity", f"sensitivity {CASE} --samples 70 --threads 2 --engine scalar", ("json",)),
@@ -307,6 +315,22 @@ def check_commands(folder):
             claim(hit.returncode == -9 and again.returncode == 0 and results() == want,
                   f"{name} torn at {n}: exit {hit.returncode}, left {lay}; then {again.returncode}, {again.stderr!r}, {place.files()}")
             done += 1
+        place.empty()
+        kelly(args, fault="unlink:1:kill")
+        name_of = next(f"{place.folder}/{f}" for f in place.files() if f.endswith(".journal"))
+        journal = read(name_of)
+        place.empty()
+        write(name_of, journal)
+        other = kelly(args + " --twice --resume")
+        claim(other.returncode == 2 and "with --twice and without" in other.stderr and read(name_of) == journal, f"{name}, --twice: {other.returncode}, {other.stderr!r}")
+        if name != "convergence":
+            for value in (b"\xff", b"\x02"):
+                number, size = journal[HEADER:HEADER + 4], struct.unpack("<I", journal[16:20])[0]
+                bad = number + value * size
+                place.empty()
+                write(name_of, journal[:HEADER] + bad + struct.pack("<I", crc32c(bad)) + journal[HEADER + size + 8:])
+                again = kelly(args + " --resume")
+                claim(again.returncode == 0 and "torn" in again.stderr and results() == want, f"{name}, a record of {value}: {again.returncode}, {again.stderr!r}")
     FIGURES["aborts of sensitivity, --until-width, --convergence, --envelope and --traces, advise, rare and map, survived"] = done
 
 
@@ -318,7 +342,8 @@ def check_foreign(folder):
     want = place.alone(SMALL)
     journal = whole_journal(place, SMALL)
     others = ["--seed 2", "--samples 21", "--first 6", "--mu 0.005", "--rpm 101", "--wob 99", "--f0 49", "--alpha1 2.1", "--alpha2 1.1",
-              "--cov 0.1", "--start rotating", "--drive soft", "--limit 0.7", "--torsional 9", "--window 3:8", "--duration 9", "--step 0.0005"]
+              "--cov 0.1", "--start rotating", "--drive soft", "--limit 0.7", "--torsional 9", "--window 3:8", "--duration 9", "--step 0.0005",
+              "--twice"]
     for more in others:
         only(place, journal)
         other = place.run(f"{SMALL} {more} --resume")

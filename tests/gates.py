@@ -34,6 +34,7 @@ GATES = {
     "figures": ("test", 600, f"{PYTHON} tests/check_figures.py"),
     "map": ("test", 600, f"{PYTHON} tests/check_map.py"),
     "drive": ("test", 300, f"{PYTHON} tests/check_drive.py"),
+    "twice": ("test", 600, f"{PYTHON} tests/check_twice.py"),
     "use": ("test", 600, f"{PYTHON} tests/check_use.py"),
     "generator": ("test", 300, f"{PYTHON} tests/check_gen.py"),
     "sensitivity": ("test", 300, f"{PYTHON} tests/check_sensitivity.py"),
