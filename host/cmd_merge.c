@@ -73,7 +73,7 @@ static void load(part *p, const char *given)
     if ((uint64_t)p->is.of.first + p->is.of.samples > (uint64_t)UINT32_MAX + 1) {
         die(EXIT_USAGE, "%s: indices %u + %u; they end at 4294967295", json, p->is.of.first, p->is.of.samples);
     }
-    if (is_csv && !p->is.has_csv) {
+    if (is_csv && !p->is.of.has_csv) {
         die(EXIT_USAGE, "%s: %s is of a run without --csv; give the report of the run that wrote it", given, json);
     }
 }
@@ -263,10 +263,7 @@ static void add_csv(outcome *out, const part *p)
     }
     free(line);
     (void)fclose(in);
-    if (crc != p->is.csv_crc) {
-        die(EXIT_USAGE, "%s: not the file that %s is of (CRC-32C %08x, there %08x): changed, cut short or of another run; run the part again",
-            p->csv, p->is.of.path, crc, p->is.csv_crc);
-    }
+    stored_check_csv(&p->is.of, p->csv, crc);
     check_counts(p, &lines);
 }
 

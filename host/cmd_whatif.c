@@ -103,6 +103,7 @@ static void read_rows(request *ask)
         ask->refused += row.status != KELLY_OK;
         kelly_reweight_add(&ask->sums, row.y, row.status, row.status == KELLY_OK && (float)row.ss > (float)ask->limit);
     }
+    stored_check_csv(&ask->run, ask->from, rows.crc);
     if (ask->samples != ask->run.samples || ask->stuck != ask->run.stuck || ask->refused != ask->run.refused) {
         die(EXIT_USAGE, "%s: %u realisations, %u stuck, %u refused, but %s says %u, %u, %u; give both files of one run", ask->from, ask->samples, ask->stuck,
             ask->refused, ask->run.path, ask->run.samples, ask->run.stuck, ask->run.refused);

@@ -59,11 +59,47 @@ static int string(reader *r)
     return 1;
 }
 
+static size_t digits(const char *at)
+{
+    return strspn(at, "0123456789");
+}
+
+/* Length of the number that begins here, 0 where none does. */
+static size_t number(const char *text)
+{
+    const char *at = text + (*text == '-');
+    const size_t whole = digits(at);
+
+    if (whole == 0 || (whole > 1 && *at == '0')) {
+        return 0;
+    }
+    at += whole;
+    if (*at == '.') {
+        if (digits(at + 1) == 0) {
+            return 0;
+        }
+        at += 1 + digits(at + 1);
+    }
+    if (*at == 'e' || *at == 'E') {
+        const size_t sign = at[1] == '+' || at[1] == '-';
+
+        if (digits(at + 1 + sign) == 0) {
+            return 0;
+        }
+        at += 1 + sign + digits(at + 1 + sign);
+    }
+    return (size_t)(at - text);
+}
+
 /* Number, true, false or null as it stands; what it means is for who asks. */
 static int word(reader *r)
 {
-    const size_t n = strspn(r->at, "+-.0123456789eEaflnrstu");
+    static const char *const words[] = { "true", "false", "null" };
+    size_t n = number(r->at);
 
+    for (unsigned k = 0; k < 3 && n == 0; k++) {
+        n = strncmp(r->at, words[k], strlen(words[k])) == 0 ? strlen(words[k]) : 0;
+    }
     if (n == 0 || n >= sizeof(r->value)) {
         return 0;
     }

@@ -10,7 +10,7 @@
 #include "plan.h"
 #include "team.h"
 
-#define ERRANDS 2000000u         /* simulated at most; a longer run is so many of its batches, and the rest in proportion */
+#define ERRANDS 2000000u         /* simulated at most, but one batch; a longer run is so many of its batches, and the rest in proportion */
 
 typedef struct {
     double ends;                 /* of the errand that it works on [s] */

@@ -11,6 +11,7 @@
 #define HEADER OUTCOME_HEADER
 #define FIELDS 13
 #define WINDOW "case.window_s"   /* the key of a list */
+#define NEAR_TIME 1e-8           /* of a time, relative: nine digits of it are on file */
 #define NEAR 1e-6                /* of a draw, relative: nine digits of it, and of the means of its law, are on file */
 
 const char *const status_names[KELLY_STATUSES] = { "ok", "step", "range", "nonfinite", "corrupt" };
@@ -139,6 +140,24 @@ static uint32_t count_in(const found *f, unsigned k, uint32_t most)
     return n;
 }
 
+/* The text of a number without sign, point or exponent. */
+static const char *digits_in(const found *f, unsigned k)
+{
+    if (strspn(f->text[k], "0123456789") != strlen(f->text[k])) {
+        die(EXIT_USAGE, "%s: \"%s\" is no whole number; give the JSON that the same run of montecarlo wrote", f->path, keys[k]);
+    }
+    return f->text[k];
+}
+
+/* Whether it is the second of two words. */
+static int second_in(const found *f, unsigned k, const char *first, const char *second)
+{
+    if (strcmp(f->text[k], first) != 0 && strcmp(f->text[k], second) != 0) {
+        die(EXIT_USAGE, "%s: \"%s\" is neither %s nor %s; give the JSON that the same run of montecarlo wrote", f->path, keys[k], first, second);
+    }
+    return strcmp(f->text[k], second) == 0;
+}
+
 static uint32_t crc_in(const found *f, unsigned k)
 {
     char *end;
@@ -159,7 +178,7 @@ static void check_crc(const found *f, const char *text)
 
     snprintf(end, sizeof(end), OUTCOME_END, kelly_crc32c(0, (const uint8_t *)text, before));
     if (f->seen[CRC] && strcmp(text + before, end) != 0) {
-        die(EXIT_USAGE, "%s: \"crc32c\" is not of what it holds: changed since it was written; run the part again", f->path);
+        die(EXIT_USAGE, "%s: \"crc32c\" is not of what it holds: changed since it was written; run it again", f->path);
     }
 }
 
@@ -194,9 +213,14 @@ static void open_run(stored_run *run, found *f)
     run->refused = count_in(f, REFUSED, run->samples);
     run->stuck = count_in(f, STUCK, run->samples - run->refused);
     (void)number_in(f, SEED, 0, 1.9e19);
-    run->seed = strtoull(f->text[SEED], 0, 10);
-    run->in_double = strcmp(f->text[REAL_], "double") == 0;
+    run->seed = strtoull(digits_in(f, SEED), 0, 10);
+    run->in_double = second_in(f, REAL_, "float", "double");
+    run->has_csv = f->seen[CSV_CRC];
+    run->csv_crc = run->has_csv ? crc_in(f, CSV_CRC) : 0;
     snprintf(run->model, sizeof(run->model), "%.63s", f->text[MODEL]);
+    if (!f->part) {              /* last: what is wrong by itself is told by its name */
+        check_crc(f, text);
+    }
     free(text);
 }
 
@@ -210,10 +234,10 @@ void stored_open_run(stored_run *run, const char *path)
 /* A time of the case in steps. */
 static uint32_t steps_in(const found *f, const char *key, double seconds, uint32_t step_ns)
 {
-    const double steps = nearbyint(seconds * 1e9 / step_ns);
+    const double steps = nearbyint(seconds * 1e9 / step_ns), apart = fabs(seconds * 1e9 / step_ns - steps);
 
-    if (!(steps >= 0 && steps <= STEPS_MOST)) {
-        die(EXIT_USAGE, "%s: \"%s\" holds %g, which is not 0..%g steps of %g s; give the JSON that the same run of montecarlo wrote", f->path, key,
+    if (!(steps >= 0 && steps <= STEPS_MOST && apart <= 1e-6 + NEAR_TIME * steps)) {
+        die(EXIT_USAGE, "%s: \"%s\" holds %.12g, which is no 0..%g steps of %g s; give the JSON that the same run of montecarlo wrote", f->path, key,
             seconds, STEPS_MOST, 1e-9 * step_ns);
     }
     return (uint32_t)steps;
@@ -224,8 +248,9 @@ static void open_case(kelly_case *run, const found *f)
 {
     run->f0 = (real)(number_in(f, F0, 0, 1e6) * 1000.0);
     run->torsional = (uint8_t)number_in(f, TORSIONAL, 1, KELLY_MODES_MAX);
-    run->rotating = strcmp(f->text[START], "rotating") == 0;
-    run->step_ns = (uint32_t)nearbyint(number_in(f, STEP, 1e-6, 1) * 1e9);
+    (void)digits_in(f, TORSIONAL);
+    run->rotating = (uint8_t)second_in(f, START, "rest", "rotating");
+    run->step_ns = steps_in(f, keys[STEP], number_in(f, STEP, 1e-6, 1), 1);
     run->ticks = steps_in(f, keys[DURATION], f->number[DURATION], run->step_ns);
     run->window_first = steps_in(f, WINDOW, f->window[0], run->step_ns);
     run->window_last = steps_in(f, WINDOW, f->window[1], run->step_ns);
@@ -269,10 +294,16 @@ void stored_open_part(stored_part *part, const char *path)
     open_refused(part, &f);
     part->stuck_ssi = count_in(&f, STUCK_SSI, part->of.samples - part->of.refused);
     part->identity = crc_in(&f, IDENTITY);
-    part->has_csv = f.seen[CSV_CRC];
-    part->csv_crc = part->has_csv ? crc_in(&f, CSV_CRC) : 0;
     part->seconds = number_in(&f, SECONDS, 0, 1e12);
     snprintf(part->engine, sizeof(part->engine), "%.31s", f.text[ENGINE]);
+}
+
+void stored_check_csv(const stored_run *run, const char *csv, uint32_t crc)
+{
+    if (run->has_csv && crc != run->csv_crc) {
+        die(EXIT_USAGE, "%s: not the file that %s is of (CRC-32C %08x, there %08x): changed, cut short or of another run; run it again", csv,
+            run->path, crc, run->csv_crc);
+    }
 }
 
 static _Noreturn void bad_line(const stored_rows *rows, const char *what, const char *right)
@@ -292,6 +323,7 @@ static char *next_line(stored_rows *rows)
         return 0;
     }
     rows->number++;
+    rows->crc = kelly_crc32c(rows->crc, (const uint8_t *)rows->line, (size_t)n);
     if (rows->line[n - 1] != '\n' || strlen(rows->line) != (size_t)n) {
         bad_line(rows, "not a whole line", "give a CSV as montecarlo wrote it");
     }

@@ -172,10 +172,16 @@ def check_misfits(folder):
         put(folder, "b.json", sealed(bad))   # the first of that name; of ssi's, which comes later, below
         refused("merge a.json b.json c.json", folder, "b.json", '"' + key.replace("step", "refused_by.step").replace("nonfinite", "refused"))
     for key, value in (("window_s", [1e300, 4]), ("window_s", [-1, 4]), ("window_s", [4, 2]), ("window_s", [2, 2]), ("window_s", [2, 5]), ("duration_s", 1e30),
-                       ("duration_s", 1e9), ("duration_s", -1)):
-        bad = re.sub(rb'"%s": ([0-9.]+|\[.*?\])' % key.encode(), b'"%s": %s' % (key.encode(), str(value).encode()), report, count=1)
+                       ("duration_s", 1e9), ("duration_s", -1),
+                       ("duration_s", 3.99951), ("window_s", [2.0003, 4]), ("step_s", 0.0010000001), ("torsional", 5.7), ("start", '"banana"')):
+        bad = re.sub(rb'"%s": ([0-9.]+|"\w+"|\[.*?\])' % key.encode(), b'"%s": %s' % (key.encode(), str(value).encode()), report, count=1)
         put(folder, "b.json", sealed(bad))
         refused("merge b.json", folder, "b.json", f'"case.{key}"')
+    for key, value, word in (("seed", "1.5", '"seed"'), ("seed", "1e0", '"seed"'), ("real", '"banana"', '"real"'), ("samples", "30null", "no JSON"), ("samples", "+30", "no JSON"),
+                             ("samples", "030", "no JSON"), ("samples", "30.", "no JSON"), ("samples", "nul", "no JSON"), ("seconds", "1e", "no JSON")):
+        bad = re.sub(rb'"%s": ([0-9.]+|"\w+")' % key.encode(), b'"%s": %s' % (key.encode(), value.encode()), report, count=1)
+        put(folder, "b.json", sealed(bad))
+        refused("merge b.json", folder, "b.json", word)
     for old, new in ((rb'("ssi": .*"stuck": )[0-9]+', rb"\g<1>31"), (rb'(refused_first": \[\[)[0-9]+', rb"\g<1>7"), (b'"range"\\]', b'"ok"]')):
         put(folder, "b.json", sealed(re.sub(old, new, report, count=1)))
         refused("merge a.json b.json c.json", folder, "b.json")

@@ -164,13 +164,23 @@ def check_laws_must_be_known(folder, path):
         file.write(re.sub(r',\n  "crc32c": .*\n', "\n", text))
     claim("crc32c" not in open(other, encoding="ascii").read().replace("csv_crc32c", ""), "a report without its CRC")
     claim(done(f"whatif --from {alone} --case-json {other} --json -") == found, "a report without its CRC is read")
+    changed = os.path.join(folder, "changed.json")
+    with open(changed, "w", encoding="ascii") as file:
+        file.write(text.replace('"mu": 0.00400000019', '"mu": 0.00400000020'))
+    refused(f"whatif --from {alone} --case-json {changed}", "changed since it was written")
+    rows = open(alone, encoding="ascii").read()
+    near = next(line for line in rows.splitlines()[1:] if 0.5 < float(line.split(",")[9] or 0) < 0.9)
+    with open(changed, "w", encoding="ascii") as file:
+        file.write(rows.replace(near, ",".join(near.split(",")[:9] + ["0.95"] + near.split(",")[10:])))
+    refused(f"whatif --from {changed} --case-json {path[:-4]}.json", "not the file that")
     other = os.path.join(folder, "other.json")
+    text = re.sub(r',\n  "crc32c": .*\n', "\n", text)     # what else is wrong with it
     for old, new, word in (('"mu": 0.00400000019', '"mu": 0.0041', "line 2: parameter 2"), ('"seed": 1,', '"seed": 2,', "line 2: parameter 1"),
                            ('"rpm": 0.200000003', '"rpm": 0.21', "line 2: parameter 5"), ('"first": 0', '"first": 1', "line 2: index 0"),
                            ('"samples": 6000', '"samples": 5999', "line 6001: index 5999"), ('"samples": 6000', '"samples": 6001', "says 6001"),
                            ('"stuck": 2', '"stuck": 1', "says 6000, 1"), ('"stuck": ', '"stuck": 1', "of 6000"), ('"limit": 0.98', '"limit": 0.97', "do not agree with the limit"),
                            ('"seed": 1,', "", '"seed"'), ('"cov": {', '"cow": {', '"case.cov.fc"'), ("}", "", "no JSON from character"),
-                           ('"first": 0', '"first": 0, "first": 0', "stands twice"), ('"mu": 0.00400000019', '"mu": nan', '"case.mu"')):
+                           ('"first": 0', '"first": 0, "first": 0', "stands twice"), ('"mu": 0.00400000019', '"mu": nan', "no JSON from character")):
         claim(old in text, f"the JSON holds {old}")
         with open(other, "w", encoding="ascii") as file:
             at = text.rindex(old) if old == "}" else text.index(old)
@@ -207,7 +217,7 @@ def check_strict_reading(folder):
     broken(with_line(ok_row, b""), f"line {ok_row + 1}: not 13 fields", "an empty line")
     broken(b"\n".join(lines[:5] + lines[6:]), "line 6: index 5", "a missing line")
     broken(b"\n".join(lines[:5] + [lines[4]] + lines[5:]), "line 6: index 3", "a line twice")
-    broken(b"\n".join(lines[:100]) + b"\n", "give both files of one run", "cut at a line")
+    broken(b"\n".join(lines[:100]) + b"\n", "not the file that", "cut at a line")
     broken(good[:-1], "line 151: not a whole line", "cut before the end of the last line")
     broken(b"", "line 1: not the header", "nothing")
     broken(b"index,x\n", "line 1: not the header", "another header")
@@ -219,7 +229,7 @@ def check_strict_reading(folder):
             file.write(good[:at] + bytes([to]) + good[at + 1:])
         result = kelly(f"whatif --from {path} --json -")
         claim(result.returncode == 2 and result.stderr.count("\n") == 1 or
-              result.returncode == 0 and json.loads(result.stdout)["samples"] == 150, f"byte {at} to {to}: {result.returncode} {result.stderr[:200]!r}")
+              good[at] == to and result.returncode == 0 and json.loads(result.stdout)["samples"] == 150, f"byte {at} to {to}: {result.returncode} {result.stderr[:200]!r}")
         with open(path, "wb") as file:
             file.write(good[:at])
         claim(kelly(f"whatif --from {path}").returncode == 2, f"cut at {at}")

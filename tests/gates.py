@@ -106,7 +106,7 @@ def run_gate(name):
     shown = [line for line in lines[:-25] if line.lstrip().startswith("FAIL")] + lines[-25:]
     if not found or (int(found[2]) == 0) != (status == 0) or int(found[1]) + int(found[2]) == 0:
         return 0, 1, seconds, [], shown + [f"(ended with status {status} and no sound last line)"]
-    return int(found[1]), int(found[2]), seconds, figures, shown[:-1] if int(found[2]) else []
+    return int(found[1]), int(found[2]), seconds, [] if int(found[2]) else figures, shown[:-1] if int(found[2]) else []
 
 
 class Board:
