@@ -201,7 +201,7 @@ int command_rare(int argc, char **argv)
     search *const s = &now_on;
     options opts;
     const char *beside;
-    outfile json;
+    outfile json = { 0 };
     double *list;
 
     s->samples = DEFAULT_SAMPLES;

@@ -186,7 +186,7 @@ int command_whatif(int argc, char **argv)
 {
     static request ask;
     options opts;
-    outfile json;
+    outfile json = { 0 };
 
     for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
         ask.mean[k] = (double)NAN;
