@@ -160,7 +160,7 @@ fault_files := host_faults host_faults_state host_faults_table host_faults_insta
 
 unit: $(dir)/unit $(dir)/lanes $(dir)/accuracy $(dir)/app-unit $(dir)/drive-numbers $(dir)/faults $(engines:%=$(dir)/faults-%) $(dir)/random-stream
 
-app_files := $(filter-out device estimate,$(patsubst firmware/app/%.c,%,$(wildcard firmware/app/*.c)))
+app_files := $(filter-out device,$(patsubst firmware/app/%.c,%,$(wildcard firmware/app/*.c)))
 $(dir)/app-unit: $(dir)/tests/host_app.o $(dir)/tests/check.o $(app_files:%=$(dir)/app/%.o) $(library) $(table_objects)
 	$(Q)$(CC) $(CFLAGS) $(LDFLAGS) $(filter %.o,$^) -o $@
 $(dir)/unit: $(unit_objects) $(library) $(table_objects)

@@ -29,8 +29,10 @@ ONE = (TARGET,)
 SCENARIOS = ((bench.says_who_it_is, ONE), (bench.runs_a_campaign, ONE), (bench.runs_a_campaign, (TARGET, 4, True)), (bench.refuses, ONE),
              (bench.bears_any_frame, (TARGET, 300)), (bench.takes_commands, ONE), (bench.talks_to_people, ONE), (bench.watches_the_host, ONE),
              (bench.survives, (TARGET, 1 << 16)), (bench.steps_together, ((TARGET, TARGET),)), (bench.counts_overloads, ONE), (bench.bites, ONE))
-ESTIMATES = {"samples=2 seconds=1": 0, "digest=1 samples=2 seconds=1": 0, "mu_e6=4000 samples=6 seconds=2 from=1": 0, "mu_e6=2000000000 samples=1 seconds=1": 0,
-             "count=1": 0, "samples=none": 2, "seconds=4000001": 1, "first=4294967295 samples=2": 1}     # line: status
+ESTIMATES = {"samples=2 seconds=1": 0, "digest=1 samples=2 seconds=1": 0, "mu_e6=4000 samples=6 seconds=2 from=1": 0, "mu_e6=1000000000 samples=1 seconds=1": 0,
+             "count=1": 0, "samples=none": 2, "seconds=4000001": 1, "first=4294967295 samples=2": 1,
+             "mu_e6=4294967297": 2, "seed=1 seed=2": 2, "first=18446744073709551615": 2, "samples=18446744073709551614 first=4": 2,
+             "samples=2 seconds=8 from=4000000": 1, "from=3 seconds=0": 1}     # line: status
 
 
 def lines_of(path):

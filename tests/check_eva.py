@@ -71,9 +71,9 @@ DRIVERS = {
               "-eva-precision 0 -eva-slevel 500 -eva-slevel-function forced:0,slope_of:0,ratio_of:0,kelly_tanh:0,kelly_poly:0,main:0,hints:0 "
               "-eva-auto-loop-unroll 24 -eva-split-return full -eva-subdivide-non-linear-function forced:40 -eva-use-spec kelly_log32"),
     "lines": (["app/line", "app/scpi"],
-              "-eva-precision 0 -eva-slevel 500 -eva-slevel-function value_of:100,line_number:100,line_stranger:0,known_word:10 "
-              "-eva-slevel-merge-after-loop value_of,line_stranger -eva-auto-loop-unroll 100 -eva-min-loop-unroll 80 "
-              "-eva-split-return-function match:full,scpi_number:0,is_digit:full,is_capital:full,value_of:full,after:full"),
+              "-eva-precision 0 -eva-slevel 500 -eva-slevel-function line_read:0,read_word:10 "
+              "-eva-slevel-merge-after-loop line_read -eva-auto-loop-unroll 100 -eva-min-loop-unroll 80 "
+              "-eva-split-return-function match:full,scpi_number:0,is_digit:full,is_capital:full,after:full"),
     "console": ("app/console app/scpi app/out app/say link/frame link/crc32c tables/paper".split(),
                 "-eva-precision 0 -eva-slevel 200 -eva-auto-loop-unroll 100 -eva-min-loop-unroll 80 -eva-split-return full "
                 "-eva-use-spec kelly_cobs,scpi_is,scpi_number"),

@@ -1,9 +1,10 @@
-/* host_app.c - the device program on a line and a clock that the test holds: its pieces line.c, say.c, scpi.c, out.c, gauge.c, and what a
- * board never does by itself: a string out of bounds. */
+/* host_app.c - the device program on a line and a clock that the test holds: its pieces line.c, say.c, scpi.c, out.c, gauge.c, the lines that
+ * an estimation takes, and what a board never does by itself: a string out of bounds. */
 #include <string.h>
 #include <stdio.h>
 
 #include "../firmware/app/bench.h"
+#include "../firmware/app/estimate.h"
 #include "../firmware/app/gauge.h"
 #include "../firmware/app/line.h"
 #include "../firmware/app/out.h"
@@ -41,6 +42,11 @@ const uint8_t *board_image(uint32_t *size)
     return (const uint8_t *)coming;
 }
 
+uint32_t board_measure_start(void) { return now_ms; }
+uint32_t board_measure_end(uint32_t start) { return now_ms - start; }
+int board_counts_cycles(void) { return 0; }
+uint32_t stack_used(void) { return 0; }
+uint32_t stack_size(void) { return 0; }
 void board_idle(void) { now_ms += 1000; }
 int board_ready(void) { return takes > 0; }
 
@@ -103,22 +109,36 @@ static const char *line_of(const char *text)
     return line;
 }
 
+/* What the line does not understand, "" where it understands all, and the values that it has read. */
+static const char *read_line(const char *text, uint64_t values[3])
+{
+    static const line_key keys[] = { { "seed", 0, 9 }, { "first", UINT32_MAX, 0 }, { "count", 1, 0 } };
+    const char *const stranger = line_read(line_of(text), keys, values, 3);
+
+    return stranger == 0 ? "" : stranger;
+}
+
 static void reads_numbers(void)
 {
-    static const char *const keys[] = { "seed", "first" };
+    uint64_t values[3];
 
-    EQUAL(line_number(line_of("first=12 seed=18446744073709551615"), "seed", 1), UINT64_MAX);
-    EQUAL(line_number(line_of("seedling=3 seed 4"), "seed", 9), 9);
-    EQUAL(line_number(line_of("seed="), "seed", 9), 9);
-    EQUAL(line_number(line_of("seed=-1"), "seed", 9), 9);
-    EQUAL(line_number(line_of("seed=:"), "seed", 9), 9);
-    EQUAL(line_number(line_of("seed=5x"), "seed", 9), 5);
-    CHECK(line_stranger(line_of("seed=1 first=18446744073709551615"), keys, 2) == 0);
-    CHECK(strcmp(line_stranger(line_of("seed=1 first=18446744073709551616"), keys, 2), "first=18446744073709551616") == 0);
-    CHECK(strcmp(line_stranger(line_of("seed=1 last=2"), keys, 2), "last=2") == 0);
-    CHECK(strcmp(line_stranger(line_of("seed=1, first=2"), keys, 2), "seed=1, first=2") == 0);
-    CHECK(strcmp(line_stranger(line_of("seed="), keys, 2), "seed=") == 0);
-    CHECK(strcmp(line_stranger(line_of("seed=1/"), keys, 2), "seed=1/") == 0);
+    CHECK(strcmp(read_line("first=4294967295 seed=18446744073709551615 count=1", values), "") == 0);
+    CHECK(values[0] == UINT64_MAX && values[1] == UINT32_MAX && values[2] == 1);
+    CHECK(strcmp(read_line("  first=012  ", values), "") == 0 && values[0] == 9 && values[1] == 12 && values[2] == 0);
+    CHECK(strcmp(read_line("", values), "") == 0);
+    CHECK(strcmp(read_line("first=1 seed=18446744073709551616", values), "seed=18446744073709551616") == 0);
+    CHECK(strcmp(read_line("seed=1 first=4294967296", values), "first=4294967296") == 0);
+    CHECK(strcmp(read_line("first=18446744073709551615 seed=1", values), "first=18446744073709551615 seed=1") == 0);
+    CHECK(strcmp(read_line("count=2", values), "count=2") == 0);
+    CHECK(strcmp(read_line("seed=1 first=2 seed=1", values), "seed=1") == 0);
+    CHECK(strcmp(read_line("seedling=3", values), "seedling=3") == 0);
+    CHECK(strcmp(read_line("seed=1 last=2", values), "last=2") == 0);
+    CHECK(strcmp(read_line("seed=1, first=2", values), "seed=1, first=2") == 0);
+    for (unsigned k = 0; k < 6; k++) {
+        static const char *const none[] = { "seed=", "seed", "seed=-1", "seed=:", "seed=5x", "seed=1/" };
+
+        CHECK(strcmp(read_line(none[k], values), none[k]) == 0);
+    }
 }
 
 /* ---- say.c ---- */
@@ -230,6 +250,73 @@ static void counts_a_campaign_once(void)
     CHECK(gauge.samples == 0 && gauge.next == 0);
 }
 
+/* ---- estimate.c ---- */
+
+/* Whether an estimation of this line ends with this status and says this somewhere. */
+static int ends(const char *text, int status, const char *word)
+{
+    static kelly_work work;
+    const int got = estimate(line_of(text), &work), has = strstr(sent, word) != 0;
+
+    (void)said("");
+    return got == status && has;
+}
+
+static void estimates_what_is_asked(void)
+{
+    CHECK(ends("samples=1 seconds=1", 0, "mu 0.040000, alpha1 2.000, alpha2 1.000, start rest, window 0.000:1.000 s\n"));
+    CHECK(ends("samples=1 seconds=2 from=0", 0, "window 0.000:2.000 s\n"));
+    CHECK(ends("samples=1 from=99", 0, "window 99.000:100.000 s\n"));
+    CHECK(ends("mu_e6=1000000000 seconds=1 samples=1", 0, "mu 1000.000000,"));
+    CHECK(ends("digest=1 samples=1 seconds=4 from=2 first=4294967295", 0, "realisation 4294967295 "));
+}
+
+/* Numbers that do not fit their place, once cut to 32 bits or added modulo 2^64. (count=1: what is not refused ends soon.) */
+static void refuses_what_cannot_be(void)
+{
+    static const char *const strange[] = { "mu_e6=4294967297", "mu_e6=4294967296", "mu_e6=1000000001", "first=18446744073709551615", "first=4294967296",
+                                           "samples=18446744073709551614 first=4", "samples=1000001", "seconds=4294967298", "from=4294967297",
+                                           "seed=1 seed=2", "digest=2" };
+    char line[LINE_MAX];
+
+    for (unsigned k = 0; k < sizeof(strange) / sizeof(strange[0]); k++) {
+        (void)snprintf(line, sizeof(line), "count=1 %s", strange[k]);
+        CHECK(ends(line, 2, "not understood: ") && ends(line, 2, strstr(strange[k], "seed=2") ? "seed=2" : strange[k]) && ends(line, 2, "each once, whole numbers within range\n"));
+    }
+    CHECK(ends("count=2", 2, "not understood: count=2;"));
+    CHECK(ends("samples=2 seconds=8 from=4000000", 1, "the window must be a part of the run\n"));
+    CHECK(ends("samples=1 seconds=8 from=4000001", 1, "the window must be a part of the run\n"));
+    CHECK(ends("samples=2 seconds=8 from=8", 1, "the window must be a part of the run\n"));
+    CHECK(ends("samples=1 from=3 seconds=0", 1, "the window must be a part of the run\n"));
+    CHECK(ends("samples=1 from=100", 1, "the window must be a part of the run\n"));
+    CHECK(ends("count=1 seconds=4000001", 1, "the window must be a part of the run\n"));
+    CHECK(ends("samples=1 seconds=1 mu_e6=0", 1, "must be positive\n"));
+    CHECK(ends("first=4294967295 samples=2", 1, "indices end at 4294967295\n"));
+    CHECK(ends("samples=0 first=3", 1, "samples from 1 on"));
+}
+
+/* A line of one byte more than is kept: what is left of it would be another order. */
+static void marks_a_line_that_it_cuts(void)
+{
+    static kelly_bench bench;
+    char line[LINE_MAX + 2];
+
+    (void)snprintf(line, sizeof(line), "seed=1 samples=%*d\n", LINE_MAX - 15, 12);
+    bench_start(&bench);
+    for (const char *byte = line; *byte != '\n'; byte++) {
+        (void)bench_take(&bench, (uint8_t)*byte);
+    }
+    EQUAL(bench_take(&bench, '\n'), BENCH_ESTIMATE);
+    CHECK(ends(bench.line, 2, "~"));
+    (void)snprintf(line, sizeof(line), "RPM%*s20\n", LINE_MAX - 5, "1");
+    bench.decided = 1;
+    for (const char *byte = line; *byte != '\0'; byte++) {
+        (void)bench_take(&bench, (uint8_t)*byte);
+    }
+    console_line(&bench, "SYST:ERR?");
+    CHECK(said("-121,\"Invalid character in number\"\r\n"));
+}
+
 /* ---- a string out of bounds ---- */
 
 /* In real time the session ends and its books say so; the console has nothing to read, and lockstep answers that it is not sane. */
@@ -276,6 +363,9 @@ int main(void)
     keeps_what_the_line_does_not_take();
     shows_the_last_seconds();
     counts_a_campaign_once();
+    estimates_what_is_asked();
+    refuses_what_cannot_be();
+    marks_a_line_that_it_cuts();
     ends_a_string_out_of_bounds();
     printf("%u passed, %u failed\n", check_passed, check_failed);
     return check_failed != 0;

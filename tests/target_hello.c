@@ -85,15 +85,16 @@ static void say_ticks(void)
 
 int main(void)
 {
+    static const line_key keys[] = { { "seed", 0, 1 }, { "first", UINT32_MAX, 0 } };
     char line[LINE_MAX];
-    uint64_t seed;
+    uint64_t asked[2];
 
     board_text("hello " BOARD_NAME "\n");
     line_ask(line);
-    seed = line_number(line, "seed", 1);
-    say("seed_low", (uint32_t)seed);
-    say("seed_high", (uint32_t)(seed >> 32));
-    say("first", (uint32_t)line_number(line, "first", 0));
+    (void)line_read(line, keys, asked, 2);
+    say("seed_low", (uint32_t)asked[0]);
+    say("seed_high", (uint32_t)(asked[0] >> 32));
+    say("first", (uint32_t)asked[1]);
     say("data", in_data);
     say("bss", in_bss);
     say_float();

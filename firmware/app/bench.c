@@ -102,6 +102,8 @@ static int collect(kelly_bench *bench, uint8_t byte)
         bench->dirty = 1;
     } else if (bench->length < LINE_MAX - 1) {
         bench->line[bench->length++] = (char)byte;
+    } else {
+        bench->line[LINE_MAX - 2] = '~';     /* cut: no command or number has this byte, so that the rest is not obeyed */
     }
     return BENCH_GOES_ON;
 }

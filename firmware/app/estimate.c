@@ -4,7 +4,18 @@
 #include "say.h"
 
 #define TO_RPM R(9.54929658551372)
-#define MAX_SAMPLES 1000000u
+#define SAMPLES_MOST 1000000u
+#define MU_E6_MOST 1000000000u       /* 1e3, as the host has it */
+#define STEPS_MOST 4000000000u       /* as the host has it; nor seconds, for a step is 1 s at most */
+#define NOT_GIVEN UINT32_MAX
+
+enum { SEED, FIRST, SAMPLES, MU_E6, SECONDS, FROM, DIGEST, COUNT, KEYS };
+
+static const line_key keys[KEYS] = {
+    [SEED] = { "seed", 0, 1 }, [FIRST] = { "first", UINT32_MAX, 0 }, [SAMPLES] = { "samples", SAMPLES_MOST, 4 },
+    [MU_E6] = { "mu_e6", MU_E6_MOST, NOT_GIVEN }, [SECONDS] = { "seconds", STEPS_MOST, NOT_GIVEN },
+    [FROM] = { "from", STEPS_MOST, NOT_GIVEN }, [DIGEST] = { "digest", 1, 0 }, [COUNT] = { "count", 1, 0 },
+};
 
 static void say_result(uint32_t index, const kelly_result *result)
 {
@@ -57,48 +68,51 @@ static void say_case(const kelly_case *run)
     say_text(" s\n");
 }
 
-/* Steps of whole seconds; 0, which no case may have, where they are not whole or too many. */
-static uint32_t ticks_of(uint64_t seconds, const kelly_case *run)
+/* Steps of these seconds; `none` where they are not whole or too many. */
+static uint32_t ticks_of(uint32_t seconds, const kelly_case *run, uint32_t none)
 {
-    const uint64_t ns = seconds * 1000000000u;
+    const uint64_t ns = (uint64_t)seconds * 1000000000u;
 
-    return seconds < 4000000u && ns % run->step_ns == 0 && ns / run->step_ns <= UINT32_MAX ? (uint32_t)(ns / run->step_ns) : 0u;
+    return ns % run->step_ns == 0 && ns / run->step_ns <= STEPS_MOST ? (uint32_t)(ns / run->step_ns) : none;
 }
 
-/* The case that the line asks for, on the step of the table. */
-static kelly_case asked_case(const char *line)
+/* The case that the line asks for, on the step of the table. Of what cannot be, a case that kelly_case_error refuses: no steps, or a
+ * window that opens behind the last. */
+static kelly_case asked_case(const uint64_t asked[KEYS])
 {
     kelly_case run = kelly_string.nominal;
-    const uint64_t seconds = line_number(line, "seconds", 0);
-    const uint32_t mu_e6 = (uint32_t)line_number(line, "mu_e6", 0);
+    const uint32_t seconds = (uint32_t)asked[SECONDS], mu_e6 = (uint32_t)asked[MU_E6];
+    uint32_t from = (uint32_t)asked[FROM];
 
-    if (seconds > 0) {
-        run.ticks = ticks_of(seconds, &run);
-        run.window_first = ticks_of(line_number(line, "from", seconds / 2u), &run);
+    if (seconds != NOT_GIVEN) {
+        run.ticks = ticks_of(seconds, &run, 0);
+        from = from == NOT_GIVEN ? seconds / 2u : from;
+    }
+    if (from != NOT_GIVEN) {
+        run.window_first = ticks_of(from, &run, UINT32_MAX);
         run.window_last = run.ticks;
     }
-    if (line_number(line, "digest", 0) != 0) {
+    if (asked[DIGEST] != 0) {
         run.mu = R(0.04);
         for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
             run.cov[k] = 0.2f;
         }
     }
-    if (mu_e6 > 0) {
+    if (mu_e6 != NOT_GIVEN) {
         run.mu = (real)(int32_t)mu_e6 / R(1000000.0);
     }
     return run;
 }
 
-static void run_all(const kelly_case *run, const char *line, kelly_work *work)
+static void run_all(const kelly_case *run, const uint64_t asked[KEYS], kelly_work *work)
 {
-    const uint64_t seed = line_number(line, "seed", 1);
-    const uint32_t first = (uint32_t)line_number(line, "first", 0), samples = (uint32_t)line_number(line, "samples", 4);
+    const uint32_t first = (uint32_t)asked[FIRST], samples = (uint32_t)asked[SAMPLES];
     kelly_tally tally = { 0 };
 
-    for (uint32_t j = 0; j < samples && j < MAX_SAMPLES; j++) {
+    for (uint32_t j = 0; j < samples; j++) {
         kelly_result result;
 
-        kelly_run(&kelly_string, run, seed, first + j, 1, &result, work);
+        kelly_run(&kelly_string, run, asked[SEED], first + j, 1, &result, work);
         kelly_tally_add(&tally, first + j, &result);
         say_result(first + j, &result);
     }
@@ -134,21 +148,21 @@ static void count(const kelly_case *run, kelly_work *work)
 
 int estimate(const char *line, kelly_work *work)
 {
-    static const char *const keys[] = { "seed", "first", "samples", "mu_e6", "seconds", "from", "digest", "count" };
-    const char *const stranger = line_stranger(line, keys, (int)(sizeof(keys) / sizeof(keys[0])));
+    uint64_t asked[KEYS];
+    const char *const stranger = line_read(line, keys, asked, KEYS);
     const char *error;
     kelly_case run;
 
     if (stranger) {
         say_text("not understood: ");
         say_text(stranger);
-        say_text("; give seed= first= samples= mu_e6= seconds= from= digest= count=, whole numbers\n");
+        say_text("; give seed= first= samples= mu_e6= seconds= from= digest= count=, each once, whole numbers within range\n");
         return 2;
     }
-    run = asked_case(line);
+    run = asked_case(asked);
     error = kelly_case_error(&kelly_string, &run);
-    if (!error && line_number(line, "first", 0) + line_number(line, "samples", 4) > (uint64_t)UINT32_MAX + 1u) {
-        error = "indices end at 4294967295";
+    if (!error && asked[SAMPLES] - 1u > UINT32_MAX - asked[FIRST]) {   /* of no samples: wraps, and is more */
+        error = "samples from 1 on, indices end at 4294967295";
     }
     if (error) {
         say_text(error);
@@ -158,10 +172,10 @@ int estimate(const char *line, kelly_work *work)
     say_text(kelly_string.id);
     say_text(sizeof(real) > sizeof(float) ? ", double" : ", float");
     say_case(&run);
-    if (line_number(line, "count", 0) != 0) {
+    if (asked[COUNT] != 0) {
         count(&run, work);
     } else {
-        run_all(&run, line, work);
+        run_all(&run, asked, work);
     }
     return 0;
 }

@@ -41,63 +41,43 @@ static const char *after(const char *word, const char *key)
     return *word == '=' ? word + 1 : 0;
 }
 
-/* The first number of this key, 0 where no word has the key. */
-static const char *value_of(const char *line, const char *key)
+/* Whether a word is `key=digits`, a number that the key takes, and nothing more. */
+static int read_word(const char *word, const line_key *key, uint64_t *value)
 {
-    for (const char *word = line; *word != '\0'; word++) {
-        const char *const value = begins(line, word) ? after(word, key) : 0;
-
-        if (value != 0) {
-            return value;
-        }
-    }
-    return 0;
-}
-
-uint64_t line_number(const char line[LINE_MAX], const char *key, uint64_t otherwise)
-{
-    const char *digit = value_of(line, key);
-    uint64_t value = 0;
-
-    if (digit == 0 || *digit < '0' || *digit > '9') {
-        return otherwise;
-    }
-    for (; *digit >= '0' && *digit <= '9'; digit++) {
-        value = 10u * value + (uint64_t)(*digit - '0');
-    }
-    return value;
-}
-
-/* Whether a word is `key=digits`, a number below 2^64. */
-static int known_word(const char *word, const char *key)
-{
-    const char *const first = after(word, key), *at = first;
-    uint64_t value = 0;
+    const char *const first = after(word, key->name), *at = first;
 
     if (first == 0) {
         return 0;
     }
-    for (; *at >= '0' && *at <= '9'; at++) {
+    for (*value = 0; *at >= '0' && *at <= '9'; at++) {
         const uint64_t digit = (uint64_t)(*at - '0');
 
-        if (value > (UINT64_MAX - digit) / 10u) {
+        if (*value > (UINT64_MAX - digit) / 10u) {
             return 0;
         }
-        value = 10u * value + digit;
+        *value = 10u * *value + digit;
     }
-    return at != first && (*at == ' ' || *at == '\0');
+    return at != first && (*at == ' ' || *at == '\0') && (key->most == 0 || *value <= key->most);
 }
 
-const char *line_stranger(const char line[LINE_MAX], const char *const keys[], int count)
+const char *line_read(const char line[LINE_MAX], const line_key keys[], uint64_t values[], int count)
 {
-    for (const char *word = line; *word != '\0'; word++) {
-        int known = !begins(line, word);
+    uint32_t seen = 0;           /* a key that comes again is none */
 
-        for (int k = 0; k < count && !known; k++) {
-            known = known_word(word, keys[k]);
-        }
-        if (!known) {
-            return word;
+    for (int k = 0; k < count; k++) {
+        values[k] = keys[k].otherwise;
+    }
+    for (const char *word = line; *word != '\0'; word++) {
+        if (begins(line, word)) {
+            int k = 0;
+
+            while (k < count && ((seen >> k & 1u) != 0 || !read_word(word, &keys[k], &values[k]))) {
+                k++;
+            }
+            if (k == count) {
+                return word;
+            }
+            seen |= 1u << k;
         }
     }
     return 0;

@@ -11,16 +11,20 @@
 
 #include <stdint.h>
 
-#define LINE_MAX 80   /* bytes kept, the final 0 included; the rest of a longer line is dropped */
+#define LINE_MAX 80   /* bytes kept, the final 0 included; the rest of a longer line is dropped (bench.c marks what it cut) */
 #define LINE_WAIT_MS 30000
 
 /* Ask for a line. Returns its length, -1 (and an empty line) where none came. */
 int line_ask(char line[LINE_MAX]);
 
-/* The number after `key=`, decimal, modulo 2^64; `otherwise` where the key is not in the line. */
-uint64_t line_number(const char line[LINE_MAX], const char *key, uint64_t otherwise);
+/* A key of a line: the largest number that it takes, 0 for any below 2^64, and its value where the line has none. */
+typedef struct {
+    const char *name;
+    uint32_t most, otherwise;
+} line_key;
 
-/* The first word of the line that is not `key=number` with a key of this list and a number below 2^64, 0-terminated; 0 where all are. */
-const char *line_stranger(const char line[LINE_MAX], const char *const keys[], int count);
+/* values[k]: the decimal number after `key=` of keys[k], of at most 32 keys. -> 0, or the first word, and what follows it, that is not
+ * `key=number` with one of these keys, for the first time, and a number that it takes. */
+const char *line_read(const char line[LINE_MAX], const line_key keys[], uint64_t values[], int count);
 
 #endif

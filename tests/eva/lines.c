@@ -61,14 +61,13 @@ static void any_key(char key[KEY_MAX + 1], unsigned length)
 static void values(unsigned length)
 {
     static char key[KEY_MAX + 1], other[KEY_MAX + 1];
-    const char *const keys[2] = { key, other };
+    const line_key keys[2] = { { key, any_u32(), any_u32() }, { other, any_u32(), any_u32() } };
+    uint64_t numbers[2];
 
     any_key(key, length);
     any_key(other, KEY_MAX - length);
     any_line();
-    (void)line_number(line, key, any_u64());
-    any_line();
-    (void)line_stranger(line, keys, 2);
+    (void)line_read(line, keys, numbers, 2);
 }
 
 int main(void)
