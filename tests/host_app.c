@@ -317,6 +317,44 @@ static void marks_a_line_that_it_cuts(void)
     CHECK(said("-121,\"Invalid character in number\"\r\n"));
 }
 
+/* ---- console.c ---- */
+
+/* Whether a setting is refused as out of range, and what it was stands. */
+static int out_of_range(kelly_bench *bench, const char *set, const char *ask, const char *stands)
+{
+    int same;
+
+    console_line(bench, set);
+    console_line(bench, ask);
+    same = said(stands);
+    console_line(bench, "SYST:ERR?");
+    return said("-222,\"Data out of range\"\r\n") && same;
+}
+
+static int sets(kelly_bench *bench, const char *set, const char *ask, const char *answer)
+{
+    console_line(bench, set);
+    console_line(bench, ask);
+    return said(answer);
+}
+
+/* As the host's --rpm, --wob, --mu; beyond them the answer to a question would be another number than the setting. */
+static void bounds_settings(void)
+{
+    static kelly_bench bench;
+
+    bench_start(&bench);
+    CHECK(sets(&bench, "RPM 10000", "RPM?", "10000.00\r\n") && sets(&bench, "MU 1000", "MU?", "1000.000000\r\n"));
+    CHECK(sets(&bench, "WOB 1000", "WOB?", "1000.00\r\n") && sets(&bench, "MU .000000001", "MU?", "0.000000\r\n"));
+    CHECK(sets(&bench, "MU 0.04", "MU?", "0.040000\r\n") && sets(&bench, "RPM .001", "RPM?", "0.00\r\n") && sets(&bench, "RPM 60", "RPM?", "60.00\r\n"));
+    CHECK(out_of_range(&bench, "MU 5000", "MU?", "0.040000\r\n") && out_of_range(&bench, "MU 1000.01", "MU?", "0.040000\r\n"));
+    CHECK(out_of_range(&bench, "MU 0", "MU?", "0.040000\r\n") && out_of_range(&bench, "MU -1", "MU?", "0.040000\r\n"));
+    CHECK(out_of_range(&bench, "RPM 999999999", "RPM?", "60.00\r\n") && out_of_range(&bench, "RPM 10000.1", "RPM?", "60.00\r\n"));
+    CHECK(out_of_range(&bench, "RPM .0009", "RPM?", "60.00\r\n") && out_of_range(&bench, "WOB 999999999", "WOB?", "1000.00\r\n"));
+    console_line(&bench, "SYST:ERR?");
+    CHECK(said("0,\"No error\"\r\n"));
+}
+
 /* ---- a string out of bounds ---- */
 
 /* In real time the session ends and its books say so; the console has nothing to read, and lockstep answers that it is not sane. */
@@ -366,6 +404,7 @@ int main(void)
     estimates_what_is_asked();
     refuses_what_cannot_be();
     marks_a_line_that_it_cuts();
+    bounds_settings();
     ends_a_string_out_of_bounds();
     printf("%u passed, %u failed\n", check_passed, check_failed);
     return check_failed != 0;

@@ -64,6 +64,14 @@ static int takes(const kelly_case *run)
 
 enum { RPM, WOB, MU };
 
+/* What the host takes (host/options.c); the weight's bounds are the table's. Within them say_setting has room. */
+static int in_range(int what, real value)
+{
+    static const real least[] = { [RPM] = R(1e-3), [WOB] = 0, [MU] = R(1e-9) }, most[] = { [RPM] = R(1e4), [WOB] = R(1e6), [MU] = R(1e3) };
+
+    return value >= least[what] && value <= most[what];
+}
+
 static int set_value(kelly_bench *bench, int what, const char *text)
 {
     kelly_session *const s = own(bench);
@@ -73,6 +81,9 @@ static int set_value(kelly_bench *bench, int what, const char *text)
 
     if (error != SCPI_NO_ERROR) {
         return error;
+    }
+    if (!in_range(what, value)) {
+        return SCPI_RANGE;
     }
     if (bench->state != KELLY_STATE_IDLE && (s == 0 || what == MU)) {
         return SCPI_CONFLICT;
