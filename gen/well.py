@@ -15,6 +15,7 @@ from decimal import Decimal
 MODES_MAX = 20        # KELLY_MODES_MAX of string_model.h
 ELEMENTS_MAX = 1000   # of the whole string: keeps the shapes file within a few MB
 FC_MIN = 1000.0       # [N] lower end of every fit
+STEPS_MOST = 4 * 10**9   # of a run: STEPS_MOST of host/host.h
 
 
 class WellError(Exception):
@@ -284,8 +285,8 @@ def _run(table, inputs):
                   "a whole number of nanoseconds from 0.000001 to 1 s")
     step_s = Decimal(step).scaleb(-9)
     multiple = f"a multiple of step_s = {table['step_s']}"
-    ticks = _whole(table["duration_s"], step_s, (*path, "duration_s"), 1, 2**32 - 2,
-                   f"{multiple}, above 0 and at most {2**32 - 2} steps")
+    ticks = _whole(table["duration_s"], step_s, (*path, "duration_s"), 1, STEPS_MOST,
+                   f"{multiple}, above 0 and at most {STEPS_MOST} steps")
     window = table["window_s"]
     if not isinstance(window, list) or len(window) != 2:
         raise WellError("expected [first, last] in seconds", (*path, "window_s"), window)

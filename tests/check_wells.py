@@ -69,6 +69,7 @@ EDITS = [
     (STEP[0], "step_s = 0.0000000015", f"{STEP[1]} = 1.5E-9", "whole number of nanoseconds"),
     (STEP[0], "step_s = 0.002", f"{STEP[1]} = 0.002", "at most 0.00108"),
     ("duration_s = 100.0", "duration_s = 100.0005", "run.duration_s = 100.0005", "multiple of step_s = 0.001"),
+    ("duration_s = 100.0", "duration_s = 4000000.001", "run.duration_s = 4000000.001", "at most 4000000000 steps"),
     ("duration_s = 100.0", "duration_s = 60.0", f"{WINDOW[1]} = [50.0, 100.0]", "0 to duration_s = 60.0"),
     (WINDOW[0], "window_s = [50.0, 40.0]", f"{WINDOW[1]} = [50.0, 40.0]", "first < last"),
     (WINDOW[0], "window_s = [50.0]", f"{WINDOW[1]} = [50.0]", "[first, last]"),
@@ -124,6 +125,15 @@ def bad_wells(directory):
             text = PAPER.replace(old, new, 1).split("\n")
             word = re.split(r"[.\]]", key.split(" = ")[0])[-1]
             claim(number and word in text[int(number[1]) - 1], f"{key}: the line number leads to the key: {line[:90]}")
+
+
+def longest_run():
+    """As long as the host program takes it, and no longer."""
+    with open(os.path.join(ROOT, "host", "host.h"), encoding="utf-8") as file:
+        most = float(re.search(r"#define STEPS_MOST (\S+)", file.read())[1])
+    claim(most == well_.STEPS_MOST, f"gen takes {well_.STEPS_MOST} steps, the host {most:.0f}")
+    well = well_.parse(PAPER.replace("duration_s = 100.0", "duration_s = 4000000.0"))
+    claim(well.ticks == most, f"the longest run has {well.ticks} steps")
 
 
 def bad_files(directory):
@@ -196,6 +206,7 @@ def mutations(number=4000):
 def main():
     with tempfile.TemporaryDirectory() as directory:
         bad_wells(directory)
+    longest_run()
     with tempfile.TemporaryDirectory() as directory:
         bad_files(directory)
     with tempfile.TemporaryDirectory() as directory:
