@@ -340,6 +340,11 @@ def show(value):
     return text if len(text) <= 60 else text[:57] + "..."
 
 
+def _bare(key):
+    """A key without the blanks and quotes around it. (A pattern with a part for each takes minutes over a long line of blanks.)"""
+    return key.strip().removeprefix('"').removesuffix('"').removeprefix("'").removesuffix("'")
+
+
 def _line_of(text, path):
     """Line of the key in the text, 0 if it is written in a way that this short scan does not follow."""
     if not path:
@@ -355,8 +360,7 @@ def _line_of(text, path):
                 current.append(counts[header[2]])
             if list(path) == current or list(path) == current[:1]:
                 return number
-        entry = re.match(r"\s*[\"']?([^=\"']*?)[\"']?\s*=", line)
-        if entry and current == table and entry[1] == key:
+        if current == table and "=" in line and _bare(line.partition("=")[0]) == key:
             return number
     return 0
 

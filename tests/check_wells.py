@@ -18,6 +18,7 @@ import well as well_        # noqa: E402
 with open(os.path.join(ROOT, "gen", "wells", "paper.toml"), encoding="utf-8") as paper:
     PAPER = paper.read()
 count = {True: 0, False: 0}
+PATIENCE = 30         # [s]; a file takes less than one
 
 LENGTH = ("length_m = 1400.0", "section[1].length_m")
 INNER = ("inner_diameter_mm = 95.0          # not", "section[2].inner_diameter_mm")
@@ -97,7 +98,7 @@ def claim(holds, text):
 
 def generate(arguments, directory):
     return subprocess.run([sys.executable, os.path.join(ROOT, "gen"), *arguments], capture_output=True, text=True,
-                          cwd=directory, check=False)
+                          cwd=directory, check=False, timeout=PATIENCE)
 
 
 def refused(label, path, directory, key, advice):
@@ -134,6 +135,23 @@ def longest_run():
     claim(most == well_.STEPS_MOST, f"gen takes {well_.STEPS_MOST} steps, the host {most:.0f}")
     well = well_.parse(PAPER.replace("duration_s = 100.0", "duration_s = 4000000.0"))
     claim(well.ticks == most, f"the longest run has {well.ticks} steps")
+
+
+def long_lines(directory):
+    """A bad key below lines of many blanks, words or brackets is told at once."""
+    path = os.path.join(directory, "long.toml")
+    for what, line in {"blanks": 20000 * " ", "blanks in a comment": "#" + 20000 * " ", "brackets": "#" + 20000 * "[ ", "words": "#" + 20000 * "a ",
+                       "quotes": "#" + 20000 * "'\""}.items():
+        text = PAPER.replace("[damping]", f"[damping]\n{line}").replace("stiffness_s = ", "'stiffnes_s' = ")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+        try:
+            said = refused(f"a long line of {what}", path, directory, "damping.stiffnes_s", "did you mean stiffness_s?")
+        except subprocess.TimeoutExpired:
+            claim(False, f"a long line of {what}: no answer within {PATIENCE} s")
+            continue
+        number = 1 + [row.startswith("'stiffnes_s'") for row in text.split("\n")].index(True)
+        claim(f":{number}: " in said, f"a long line of {what}: the key is on line {number}: {said}")
 
 
 def bad_files(directory):
@@ -207,6 +225,8 @@ def main():
     with tempfile.TemporaryDirectory() as directory:
         bad_wells(directory)
     longest_run()
+    with tempfile.TemporaryDirectory() as directory:
+        long_lines(directory)
     with tempfile.TemporaryDirectory() as directory:
         bad_files(directory)
     with tempfile.TemporaryDirectory() as directory:
