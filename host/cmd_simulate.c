@@ -4,6 +4,8 @@
 
 #include "host.h"
 
+#define STEP_LEAST 1e-6          /* [s] that --step takes */
+
 /* %.9g and %.17g bring a float and a double back unchanged. */
 #define DIGITS (sizeof(real) > sizeof(float) ? 17 : 9)
 
@@ -17,6 +19,8 @@ void sight_line(FILE *to, double time, const kelly_sight *s)
 _Noreturn void plant_refuse(const kelly_plant *plant, const options *opts, const kelly_draw *draw, kelly_status status)
 {
     const double step = case_seconds(&opts->run, 1);
+    char safe[STEP_TEXT];
+    double largest;
 
     if (status == KELLY_RANGE) {
         die(EXIT_USAGE, "--wob %.6g kN: outside the fitted range of the table; give %.6g..%.6g kN", (double)draw->fc / 1000.0,
@@ -26,9 +30,10 @@ _Noreturn void plant_refuse(const kelly_plant *plant, const options *opts, const
         die(EXIT_USAGE, "--step %.6g: too short for %s, whose rounding would drown the slowest mode; give at least %.6g s%s", step,
             sizeof(real) > 4 ? "double" : "float", (double)kelly_smallest_step(&plant->modes), sizeof(real) > 4 ? "" : ", or build with REAL=double");
     }
-    die(EXIT_USAGE, "--step %.6g: too long for this case; the largest safe step is %.6f s", step,
-        floor(1e6 * fmin((double)kelly_largest_step(&kelly_string, &opts->run, draw, &plant->modes),
-                         (double)kelly_axial_largest_step(&kelly_string, &opts->run, draw))) / 1e6);
+    largest = fmin((double)kelly_largest_step(&kelly_string, &opts->run, draw, &plant->modes),
+                   (double)kelly_axial_largest_step(&kelly_string, &opts->run, draw));
+    die(EXIT_USAGE, "--step %.6g: too long for this case; the largest safe step is %s s%s", step, step_text(largest, safe),
+        largest < STEP_LEAST ? ", and none below 1e-06 s can be given: another case is needed" : "");
 }
 
 /* Lowest, highest and mean bit speed over the window [rad/s]. */

@@ -69,6 +69,10 @@ const char *drive_remark(const kelly_drive *drive, char text[DRIVE_TEXT]);
 #define STEPS_MOST 4e9
 double case_seconds(const kelly_case *run, uint32_t ticks);
 
+/* A safe step > 0 [s], however small, in four digits, rounded down so that --step may be given it. Returns `text`. */
+#define STEP_TEXT 16
+const char *step_text(double seconds, char text[STEP_TEXT]);
+
 /* ---- help ---------------------------------------------------------------------------------------------------- */
 
 /* An option as --help, the man page and the completion show it. Lists end with a name of 0. */

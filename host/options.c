@@ -18,6 +18,15 @@ double case_seconds(const kelly_case *run, uint32_t ticks)
     return (double)ticks * (double)run->step_ns / 1e9;
 }
 
+/* The least step of 1 us has four digits down to whole nanoseconds. */
+const char *step_text(double seconds, char text[STEP_TEXT])
+{
+    const double unit = pow(10.0, floor(log10(seconds)) - 3.0);
+
+    (void)snprintf(text, STEP_TEXT, "%.4g", floor(seconds / unit) * unit);
+    return text;
+}
+
 /* A finite number and nothing else; the bounds are part of the message. */
 double option_number(const char *option, const char *text, double lo, double hi, const char *right)
 {

@@ -191,6 +191,7 @@ static void warn(const outcome *out)
     const kelly_tally *const t = &out->tally;
     kelly_draw nominal;
     kelly_modes modes;
+    char safe[STEP_TEXT];
 
     if (t->liftoff > t->samples / 100) {
         printf("warning: in %u of %u the weight would change its sign (|fc| < 1.01 f0): the bit would lift off, which this model leaves out\n",
@@ -203,8 +204,8 @@ static void warn(const outcome *out)
                    (double)kelly_smallest_step(&modes));
             return;
         }
-        printf("warning: the step is too long for %u of %u; the nominal case allows %.6f s, its tails about a third of that\n", t->status[KELLY_STEP],
-               t->samples, (double)kelly_largest_step(&kelly_string, &out->opts->run, &nominal, &modes));
+        printf("warning: the step is too long for %u of %u; the nominal case allows %s s, its tails about a third of that\n", t->status[KELLY_STEP],
+               t->samples, step_text((double)kelly_largest_step(&kelly_string, &out->opts->run, &nominal, &modes), safe));
     }
 }
 

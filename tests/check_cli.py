@@ -300,9 +300,18 @@ def check_refused():
     r = report("float", "--wob 60 --mu 0.004 --samples 400 --duration 1")
     claim(0.15 <= r["liftoff"] / 400 <= 0.30, f"--wob 60: {r['liftoff']} of 400 lift off, not some 22 %")
     said = kelly("float", "simulate --step 0.005").stderr
-    step = float(re.search(r"largest safe step is ([0-9.]+) s", said).group(1))
+    step = float(re.search(r"largest safe step is (\S+) s", said).group(1))
     claim(0.003 < step < 0.0037, f"largest safe step {step}")
     claim(kelly("float", f"simulate --step {step} --duration {step * 100} --out-step {step}").returncode == 0, f"its own largest step {step} is refused")
+    for drive in ("soft:Z=1e9,f=100,J=1", "soft:Z=2e5,f=100,J=1"):
+        said = kelly("float", f"simulate --duration 1 --window 0:1 --drive {drive}").stderr
+        shown = re.fullmatch(r"kelly: --step 0.001: too long for this case; the largest safe step is (\S+) s(, and none below 1e-06 s can be given: [^\n]*)?\n", said)
+        warned = re.search(r"nominal case allows (\S+) s", kelly("float", f"montecarlo --samples 2 --duration 1 --window 0:1 --drive {drive}").stdout)
+        claim(shown and warned and shown[1] == warned[1] and float(shown[1]) > 0, f"{drive}: a safe step of use: {said!r}, {warned}")
+        claim(shown and (float(shown[1]) < 1e-6) == bool(shown[2]), f"{drive}: whether it can be given: {said!r}")
+    step = float(shown[1]) if shown else 1.0
+    ran = kelly("float", f"simulate --drive {drive} --step {step} --out-step {step} --duration {1000 * step} --window 0:{1000 * step}")
+    claim(ran.returncode == 0, f"{drive}: its own largest step {step} is refused: {ran.stderr}")
 
 
 def check_convergence():
