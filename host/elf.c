@@ -16,14 +16,20 @@ typedef struct {
     const char *path;
 } elf_file;
 
+/* The n bytes from `at` on are there. Nothing is added that might wrap. */
+static void must_hold(const elf_file *f, uint64_t at, uint64_t n)
+{
+    if (at > f->size || n > f->size - at) {
+        die(EXIT_USAGE, "--image %s: ends in the middle; give the .elf that make TARGET=NAME wrote", f->path);
+    }
+}
+
 /* Little-endian number of n bytes at this offset. */
 static uint64_t number(const elf_file *f, uint64_t at, unsigned n)
 {
     uint64_t x = 0;
 
-    if (at > f->size || n > f->size - at) {
-        die(EXIT_USAGE, "%s: ends in the middle; give the .elf that make TARGET=NAME wrote", f->path);
-    }
+    must_hold(f, at, n);
     while (n-- > 0) {
         x = x << 8 | f->bytes[at + n];
     }
@@ -35,15 +41,28 @@ typedef struct {
     uint64_t offset, address, size;
 } segment;
 
+/* Whether header i is of such a segment; its bytes are then in the file, and its end is an address. */
 static int segment_at(const elf_file *f, unsigned i, segment *s)
 {
-    const int wide_file = number(f, 4, 1) == 2;
+    const int wide_file = f->bytes[4] == 2;
     const uint64_t table = wide_file ? number(f, 32, 8) : number(f, 28, 4);
-    const uint64_t at = table + i * number(f, wide_file ? 54 : 42, 2);
+    const uint64_t each = number(f, wide_file ? 54 : 42, 2), at = table + i * each;
 
+    must_hold(f, table, 0);              /* so `at` has not wrapped: i and `each` have 16 bits */
+    if (each < (wide_file ? 56u : 32u)) {
+        die(EXIT_USAGE, "--image %s: program headers of %u bytes; give the .elf that make TARGET=NAME wrote", f->path, (unsigned)each);
+    }
+    must_hold(f, at, each);
     *s = wide_file ? (segment){ number(f, at + 8, 8), number(f, at + 24, 8), number(f, at + 32, 8) }
                    : (segment){ number(f, at + 4, 4), number(f, at + 12, 4), number(f, at + 16, 4) };
-    return number(f, at, 4) == 1 && s->size > 0;
+    if (number(f, at, 4) != 1 || s->size == 0) {
+        return 0;
+    }
+    must_hold(f, s->offset, s->size);
+    if (s->address > (wide_file ? UINT64_MAX : UINT32_MAX) - s->size) {
+        die(EXIT_USAGE, "--image %s: a segment goes beyond the last address; give the .elf that make TARGET=NAME wrote", f->path);
+    }
+    return 1;
 }
 
 static uint8_t *read_whole(const char *path, size_t *size)
@@ -56,7 +75,7 @@ static uint8_t *read_whole(const char *path, size_t *size)
     }
     *size = fread(bytes, 1, FILE_MOST, file);
     (void)fclose(file);
-    if (*size < 52 || memcmp(bytes, "\177ELF", 4) != 0 || bytes[5] != 1) {
+    if (*size < 52 || memcmp(bytes, "\177ELF", 4) != 0 || (bytes[4] != 1 && bytes[4] != 2) || bytes[5] != 1) {
         die(EXIT_USAGE, "--image %s: not an ELF of a board; give the .elf that make TARGET=NAME wrote", path);
     }
     return bytes;
@@ -82,13 +101,16 @@ void elf_image(const char *path, uint32_t *crc, uint32_t *size)
         die(EXIT_USAGE, "--image %s: holds nothing for flash; give the .elf that make TARGET=NAME wrote", path);
     }
     image = calloc(1, high - low);
-    for (unsigned i = 0; image && i < count; i++) {
-        if (segment_at(&f, i, &s) && s.offset <= f.size && s.size <= f.size - s.offset) {
+    if (!image) {
+        die(EXIT_FAILURE, "--image %s: no memory for its %llu bytes", path, (unsigned long long)(high - low));
+    }
+    for (unsigned i = 0; i < count; i++) {
+        if (segment_at(&f, i, &s)) {
             memcpy(image + (s.address - low), bytes + s.offset, s.size);
         }
     }
     *size = (uint32_t)(high - low);
-    *crc = image ? kelly_crc32c(0, image, *size) : 0;
+    *crc = kelly_crc32c(0, image, *size);
     free(image);
     free(bytes);
 }

@@ -339,6 +339,53 @@ USAGE = ["", "--port nowhere", "--port qemu:nope", "--port qemu:../rv32", "--por
          "--port qemu:rv32 --give-up 0", "--port qemu:rv32 --first 4294967295 --samples 1", "--port qemu:rv32 --mode lockstep --mu 1"]
 
 
+def elf(wide, segments, body=bytes(range(32)), **other):
+    """An ELF of a header, program headers and a body; segments: (offset in the body, address, size). other: what its header says instead."""
+    head, each = (64, 56) if wide else (52, 32)
+    says = {"table": head, "each": each, "count": len(segments), "kind": 1 + wide, **other}
+    start, word = head + each * len(segments), "Q" if wide else "I"
+    text = struct.pack("<4s12B", b"\x7fELF", says["kind"], 1, 1, *[0] * 9) + struct.pack("<HHI3" + word + "I6H", 2, 243, 1, 0, says["table"], 0, 0, head, says["each"],
+                                                                                      says["count"], 0, 0, 0)
+    for offset, address, size in segments:
+        text += struct.pack("<IIQQQQQQ", 1, 5, start + offset, address, address, size, size, 1) if wide else struct.pack("<8I", 1, start + offset, address, address, size, size, 5, 1)
+    return text + body
+
+
+def crafted():
+    """(what, bytes) of images that are none: sums that wrap, sizes and counts beyond the file."""
+    for wide in (False, True):
+        last, bits = (1 << (64 if wide else 32)) - 16, 64 if wide else 32
+        two = [(0, 0x1000, 16), (16, 0x1010, 16)]
+        yield from ((f"{bits} bits, cut after {n} bytes", elf(wide, two)[:n]) for n in range(len(elf(wide, two))))
+        yield f"{bits} bits, the end of a segment wraps", elf(wide, [(0, 0, 16), (0, last, 32)])
+        yield f"{bits} bits, the only segment wraps", elf(wide, [(0, last, 32)])
+        yield f"{bits} bits, far apart", elf(wide, [(0, 0, 16), (0, last - 16, 16)])
+        yield f"{bits} bits, the offset wraps", elf(wide, [(0, 0, 16), (last - 64 - 2 * 56 if wide else last - 52 - 2 * 32, 16, 32)])
+        yield f"{bits} bits, more bytes than the file has", elf(wide, [(0, 0, 1 << 20)])
+        yield f"{bits} bits, more headers than the file has", elf(wide, two, count=65535)
+        yield f"{bits} bits, no headers", elf(wide, two, count=0)
+        yield f"{bits} bits, headers of no size", elf(wide, two, each=0)
+        yield f"{bits} bits, headers too short", elf(wide, two, each=31)
+        yield f"{bits} bits, headers at the end of memory", elf(wide, two, table=last)
+        yield f"{bits} bits, headers that wrap into the file", elf(wide, [(0, 0, 16)] * 2, table=(1 << bits) - 8, each=72 if wide else 64)
+        yield f"{bits} bits, of a kind that there is not", elf(wide, two, kind=3)
+
+
+def images_that_are_none():
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "crafted.elf")
+        for what, text in crafted():
+            with open(path, "wb") as file:
+                file.write(text)
+            run = Run(f"--port unix:/nonexistent/line --give-up 0.1 --image {path}", files=False)
+            yield run.one_line(2, f"--image {path}", "make TARGET=NAME"), f"{what}: {run.status}, {run.said}"
+        for wide in (False, True):
+            with open(path, "wb") as file:
+                file.write(elf(wide, [(16, 0x1010, 16), (0, 0x1000, 16)]))
+            run = Run(f"--port unix:/nonexistent/line --give-up 0.1 --image {path}", files=False)
+            yield run.one_line(1, "no board for"), f"one that is right: {run.status}, {run.said}"
+
+
 def misuse():
     for words in USAGE:
         run = Run(words, files=False)
@@ -371,7 +418,7 @@ def scenarios():
     yield "step on a bad line", step_on_a_bad_line, ()
     for mode in ("lockstep", "realtime"):
         yield f"cable pulled {mode}", cable_pulled, (mode,)
-    for scenario in (a_board_that_lies, counts_overloads, host_dies, takes_commands, shows_wits, garbage, does_not_fit, boards_that_do_not_agree, misuse):
+    for scenario in (a_board_that_lies, counts_overloads, host_dies, takes_commands, shows_wits, garbage, does_not_fit, boards_that_do_not_agree, images_that_are_none, misuse):
         yield scenario.__name__.replace("_", " "), scenario, ()
 
 
