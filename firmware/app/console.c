@@ -67,7 +67,7 @@ enum { RPM, WOB, MU };
 /* What the host takes (host/options.c); the weight's bounds are the table's. Within them say_setting has room. */
 static int in_range(int what, real value)
 {
-    static const real least[] = { [RPM] = R(1e-3), [WOB] = 0, [MU] = R(1e-9) }, most[] = { [RPM] = R(1e4), [WOB] = R(1e6), [MU] = R(1e3) };
+    static const real least[MU + 1] = { [RPM] = R(1e-3), [WOB] = 0, [MU] = R(1e-9) }, most[MU + 1] = { [RPM] = R(1e4), [WOB] = R(1e6), [MU] = R(1e3) };
 
     return value >= least[what] && value <= most[what];
 }

@@ -69,12 +69,12 @@ const char *line_read(const char line[LINE_MAX], const line_key keys[], uint64_t
     }
     for (const char *word = line; *word != '\0'; word++) {
         if (begins(line, word)) {
-            int k = 0;
+            unsigned k = 0;
 
-            while (k < count && ((seen >> k & 1u) != 0 || !read_word(word, &keys[k], &values[k]))) {
+            while (k < (unsigned)count && ((seen >> k & 1u) != 0 || !read_word(word, &keys[k], &values[k]))) {
                 k++;
             }
-            if (k == count) {
+            if (k == (unsigned)count) {
                 return word;
             }
             seen |= 1u << k;
