@@ -62,12 +62,12 @@ static int takes(const kelly_case *run)
     return kelly_case_error(&kelly_string, run) == 0 && run->fc >= kelly_string.fc_min && run->fc <= kelly_string.fc_max;
 }
 
-enum { RPM, WOB, MU };
+enum { RPM, WOB, MU, SETTINGS };
 
 /* What the host takes (host/options.c); the weight's bounds are the table's. Within them say_setting has room. */
 static int in_range(int what, real value)
 {
-    static const real least[MU + 1] = { [RPM] = R(1e-3), [WOB] = 0, [MU] = R(1e-9) }, most[MU + 1] = { [RPM] = R(1e4), [WOB] = R(1e6), [MU] = R(1e3) };
+    static const real least[SETTINGS] = { [RPM] = R(1e-3), [WOB] = 0, [MU] = R(1e-9) }, most[SETTINGS] = { [RPM] = R(1e4), [WOB] = R(1e6), [MU] = R(1e3) };
 
     return value >= least[what] && value <= most[what];
 }

@@ -60,21 +60,21 @@ static int read_word(const char *word, const line_key *key, uint64_t *value)
     return at != first && (*at == ' ' || *at == '\0') && (key->most == 0 || *value <= key->most);
 }
 
-const char *line_read(const char line[LINE_MAX], const line_key keys[], uint64_t values[], int count)
+const char *line_read(const char line[LINE_MAX], const line_key keys[], uint64_t values[], unsigned count)
 {
     uint32_t seen = 0;           /* a key that comes again is none */
 
-    for (int k = 0; k < count; k++) {
+    for (unsigned k = 0; k < count; k++) {
         values[k] = keys[k].otherwise;
     }
     for (const char *word = line; *word != '\0'; word++) {
         if (begins(line, word)) {
             unsigned k = 0;
 
-            while (k < (unsigned)count && ((seen >> k & 1u) != 0 || !read_word(word, &keys[k], &values[k]))) {
+            while (k < count && ((seen >> k & 1u) != 0 || !read_word(word, &keys[k], &values[k]))) {
                 k++;
             }
-            if (k == (unsigned)count) {
+            if (k == count) {
                 return word;
             }
             seen |= 1u << k;

@@ -25,6 +25,6 @@ typedef struct {
 
 /* values[k]: the decimal number after `key=` of keys[k], of at most 32 keys. -> 0, or the first word, and what follows it, that is not
  * `key=number` with one of these keys, for the first time, and a number that it takes. */
-const char *line_read(const char line[LINE_MAX], const line_key keys[], uint64_t values[], int count);
+const char *line_read(const char line[LINE_MAX], const line_key keys[], uint64_t values[], unsigned count);
 
 #endif

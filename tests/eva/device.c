@@ -49,10 +49,10 @@ int out_pump(void) { return yes_or_no(); }
 void out_defer(int on) { (void)on; }
 void out_frame(uint8_t wire[KELLY_WIRE_MAX], uint8_t type, uint32_t seq, size_t size) { (void)wire, (void)type, (void)seq, (void)size; }
 
-const char *line_read(const char line[LINE_MAX], const line_key keys[], uint64_t values[], int count)
+const char *line_read(const char line[LINE_MAX], const line_key keys[], uint64_t values[], unsigned count)
 {
     (void)line;
-    for (int k = 0; k < count; k++) {
+    for (unsigned k = 0; k < count; k++) {
         say_text(keys[k].name);
         values[k] = any_u64();
     }
