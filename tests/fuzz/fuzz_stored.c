@@ -1,4 +1,4 @@
-/* fuzz_stored.c - the files of an earlier run: the JSON, and the CSV line by line (host/stored.c, host/json_read.c).
+/* fuzz_stored.c - the files of an earlier run: the JSON, and the CSV line by line (host/stored.c, stored_rows.c, json_read.c).
  *
  * The first byte says which, and whether it is read as a part that is to be put together with others: with the CRC that it should have at
  * its end ('p'), or as it is ('c'). One that is accepted has rows within their ranges.
@@ -37,6 +37,7 @@ static ssize_t fuzz_getline(char **text, size_t *room, FILE *from)
 #define getline fuzz_getline
 #define getdelim fuzz_getdelim
 #include "../../host/stored.c"
+#include "../../host/stored_rows.c"
 
 static void read_run(const char *path)
 {
