@@ -196,6 +196,14 @@ static void check_foreign(int argc, char **argv)
     }
 }
 
+/* A corrupt one, by which a search ends (take_batch), is run again when it goes on. */
+static int record_sound(const void *payload, size_t size)
+{
+    const kelly_result *const r = payload;
+
+    return results_sound(payload, size) && r->status != KELLY_CORRUPT;
+}
+
 int command_rare(int argc, char **argv)
 {
     search *const s = &now_on;
@@ -214,7 +222,7 @@ int command_rare(int argc, char **argv)
         outfile_open(&json, opts.json);
     }
     job_log(&s->log, &opts, beside, &(journal_run){ .kind = "rare", .parameters = s->samples, .records = s->samples * (KELLY_RARE_LEVELS + 2),
-            .payload = sizeof(kelly_result), .in_order = 1, .sound = results_sound });
+            .payload = sizeof(kelly_result), .in_order = 1, .sound = record_sound });
     run_search(s);
     if (team_rank() > 0) {
         return EXIT_DONE;

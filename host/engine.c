@@ -90,7 +90,7 @@ int results_sound(const void *payload, size_t size)
         kelly_result r;
 
         memcpy(&r, (const char *)payload + at, sizeof(r));
-        if (r.status >= KELLY_CORRUPT || r.stuck > (r.status == KELLY_OK) || r.liftoff > 1 || !isfinite(r.lowest) || !isfinite(r.highest) ||
+        if (r.status >= KELLY_STATUSES || r.stuck > (r.status == KELLY_OK) || r.liftoff > 1 || !isfinite(r.lowest) || !isfinite(r.highest) ||
             !isfinite(r.mean) || !isfinite(r.ss)) {
             return 0;
         }

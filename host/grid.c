@@ -123,7 +123,7 @@ double f0_at(const options *opts, int f0_given, double wob_kN)
     return decimal(f0_given ? (double)opts->run.f0 / 1000.0 : wob_kN * ((double)nominal->f0 / (double)nominal->fc));
 }
 
-/* Shared options that need no value (parse_flag in options.c): what follows them is an option again. */
+/* Options that need no value (parse_flag and parse_one in options.c): what follows them is an option again. */
 static int is_flag(const char *name)
 {
     static const char *const flags[] = { "--convergence", "--help", "--quiet", "--resume", "--twice" };

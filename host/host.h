@@ -199,7 +199,7 @@ void engine_run(const kelly_engine *e, const options *opts, const kelly_case *ru
                 kelly_result *results, void *work);
 void engine_run_draws(const kelly_engine *e, const options *opts, const kelly_draw *draws, uint32_t count, kelly_result *results, void *work);
 
-/* Whether these bytes are results that an engine can have given, and not corrupt: for a journal, so that such a one is run again. */
+/* Whether these bytes are results that an engine can have given: statuses and flags that there are, numbers that are finite. */
 int results_sound(const void *payload, size_t size);
 
 /* Dies where a result is corrupt: for who has no place for one. */

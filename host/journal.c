@@ -247,7 +247,7 @@ static uint32_t record_crc(const uint8_t number[4], const uint8_t *payload, size
     return kelly_crc32c(kelly_crc32c(0, number, 4), payload, size);
 }
 
-/* Nothing sound is left: cut off what is there. A read error is no torn tail. */
+/* Nothing sound is left: cut off what is there. A read error is no end of what is sound. */
 static void end_of_earlier(journal *j)
 {
     const off_t size = file_size(j), end = HEADER + (off_t)j->next * (j->payload + 8);
@@ -258,7 +258,7 @@ static void end_of_earlier(journal *j)
     (void)fclose(j->earlier);
     j->earlier = 0;
     if (end < size) {
-        fprintf(stderr, "kelly: %s: dropped a torn tail of %lld bytes\n", j->path, (long long)(size - end));
+        fprintf(stderr, "kelly: %s: dropped %lld bytes, from a record on that is torn or cannot be\n", j->path, (long long)(size - end));
         cut_to(j, end);
     }
     fprintf(stderr, "kelly: %s: goes on from %lu record%s\n", j->path, (unsigned long)j->next, j->next == 1 ? "" : "s");

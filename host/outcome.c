@@ -75,7 +75,7 @@ void outcome_write_case(FILE *to, const outcome *out)
     char drive[DRIVE_TEXT];
 
     fprintf(to, "  \"case\": {\"rpm\": %.9g, \"wob_kN\": %.9g, \"mu\": %.9g, \"alpha1\": %.9g, \"alpha2\": %.9g, \"f0_kN\": %.9g, \"start\": \"%s\", "
-            "\"duration_s\": %.9g, \"window_s\": [%.9g, %.9g], \"step_s\": %.9g, \"limit\": %.9g, \"torsional\": %u,\n",
+            "\"duration_s\": %.12g, \"window_s\": [%.12g, %.12g], \"step_s\": %.12g, \"limit\": %.9g, \"torsional\": %u,\n",
             (double)run->w0 / RPM, (double)run->fc / 1000.0, (double)run->mu, (double)run->a1, (double)run->a2, (double)run->f0 / 1000.0,
             run->rotating ? "rotating" : "rest", case_seconds(run, run->ticks), case_seconds(run, run->window_first),
             case_seconds(run, run->window_last), case_seconds(run, 1), (double)run->limit, run->torsional);

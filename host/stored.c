@@ -9,7 +9,8 @@
 #include "stored.h"
 
 #define WINDOW "case.window_s"   /* the key of a list */
-#define NEAR_TIME 1e-8           /* of a time, relative: nine digits of it are on file */
+#define NEAR_TIME 1e-8           /* of a time, relative: twelve digits of it are on file, of older runs nine */
+#define NEAR_REAL 1e-6           /* of a parameter, relative */
 
 const char *const status_names[KELLY_STATUSES] = { "ok", "step", "range", "nonfinite", "corrupt" };
 
@@ -116,6 +117,12 @@ static double number_in(const found *f, unsigned k, double lo, double hi)
     return f->number[k];
 }
 
+/* A parameter, which a float may have rounded beyond what was asked for. */
+static double real_in(const found *f, unsigned k, double lo, double hi)
+{
+    return number_in(f, k, lo - NEAR_REAL * lo, hi + NEAR_REAL * hi);
+}
+
 static uint32_t whole_in(const found *f, unsigned k)
 {
     const double x = number_in(f, k, 0, UINT32_MAX);
@@ -175,7 +182,7 @@ static void check_crc(const found *f, const char *text)
 
     snprintf(end, sizeof(end), OUTCOME_END, kelly_crc32c(0, (const uint8_t *)text, before));
     if (f->seen[CRC] && strcmp(text + before, end) != 0) {
-        die(EXIT_USAGE, "%s: \"crc32c\" is not of what it holds: changed since it was written; run it again", f->path);
+        die(EXIT_USAGE, "%s: \"crc32c\" is not of what it holds: changed since it was written; give it as it was written, or run it again", f->path);
     }
 }
 
@@ -195,14 +202,14 @@ static void open_run(stored_run *run, found *f)
             f->path);
     }
     *run = (stored_run){ .path = strdup(f->path) };
-    run->run.w0 = (real)(number_in(f, RPM_, 1e-3, 1e4) * RPM);
-    run->run.fc = (real)(number_in(f, WOB, 1e-3, 1e6) * 1000.0);
-    run->run.mu = (real)number_in(f, MU, 1e-9, 1e3);
-    run->run.a1 = (real)number_in(f, ALPHA1, 1e-9, 1e6);
-    run->run.a2 = (real)number_in(f, ALPHA2, 1e-9, 1e6);
-    run->run.limit = (real)number_in(f, LIMIT, 0, 10);
+    run->run.w0 = (real)(real_in(f, RPM_, 1e-3, 1e4) * RPM);
+    run->run.fc = (real)(real_in(f, WOB, 1e-3, 1e6) * 1000.0);
+    run->run.mu = (real)real_in(f, MU, 1e-9, 1e3);
+    run->run.a1 = (real)real_in(f, ALPHA1, 1e-9, 1e6);
+    run->run.a2 = (real)real_in(f, ALPHA2, 1e-9, 1e6);
+    run->run.limit = (real)real_in(f, LIMIT, 0, 10);
     for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
-        run->run.cov[k] = (float)number_in(f, COV_FC + k, 0, 0.5);
+        run->run.cov[k] = (float)real_in(f, COV_FC + k, 0, 0.5);
     }
     run->first = whole_in(f, FIRST);
     (void)number_in(f, SAMPLES, 1, UINT32_MAX);
@@ -243,7 +250,7 @@ static uint32_t steps_in(const found *f, const char *key, double seconds, uint32
 /* What a report tells of the case beside the laws: its numbers print again as they were printed. */
 static void open_case(kelly_case *run, const found *f)
 {
-    run->f0 = (real)(number_in(f, F0, 0, 1e6) * 1000.0);
+    run->f0 = (real)(real_in(f, F0, 0, 1e6) * 1000.0);
     run->torsional = (uint8_t)number_in(f, TORSIONAL, 1, KELLY_MODES_MAX);
     (void)digits_in(f, TORSIONAL);
     run->rotating = (uint8_t)second_in(f, START, "rest", "rotating");

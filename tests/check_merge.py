@@ -145,6 +145,9 @@ def check_misfits(folder):
                         ("--drive soft", ("drive soft", "stiff"))):
         part(folder, "foreign", 50, 5, more)
         refused("merge a.csv foreign.csv", folder, "foreign.csv", "of another run", *words)
+    for ends in ("--mu 1e-9 --rpm 10000 --alpha1 1e-9", "--alpha2 1e-9 --rpm 0.001 --limit 10"):        # which a float rounds
+        part(folder, "ends", 0, 5, ends)
+        done("merge ends.csv --quiet", folder)
     part(folder, "foreign", 50, 5, real="double")
     refused("merge a.csv foreign.csv", folder, "double", "float")
     part(folder, "base", 0, 50, real="double")
@@ -177,6 +180,13 @@ def check_misfits(folder):
         bad = re.sub(rb'"%s": ([0-9.]+|"\w+"|\[.*?\])' % key.encode(), b'"%s": %s' % (key.encode(), str(value).encode()), report, count=1)
         put(folder, "b.json", sealed(bad))
         refused("merge b.json", folder, "b.json", f'"case.{key}"')
+    for values in ((1234567.891, [1234567.89, 1234567.891]), (4e6, [3999999.998, 4e6])):     # a narrow window late in a long run is one
+        bad = report
+        for key, value in zip(("duration_s", "window_s"), values):
+            bad = re.sub(rb'"%s": ([0-9.]+|\[.*?\])' % key.encode(), b'"%s": %s' % (key.encode(), str(value).encode()), bad, count=1)
+        put(folder, "b.json", sealed(bad))
+        done("merge b.json --quiet", folder)
+    put(folder, "b.json", report)
     for key, value, word in (("seed", "1.5", '"seed"'), ("seed", "1e0", '"seed"'), ("real", '"banana"', '"real"'), ("samples", "30null", "no JSON"), ("samples", "+30", "no JSON"),
                              ("samples", "030", "no JSON"), ("samples", "30.", "no JSON"), ("samples", "nul", "no JSON"), ("seconds", "1e", "no JSON")):
         bad = re.sub(rb'"%s": ([0-9.]+|"\w+")' % key.encode(), b'"%s": %s' % (key.encode(), value.encode()), report, count=1)

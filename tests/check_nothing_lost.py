@@ -271,12 +271,18 @@ def check_order(folder):
     for bad in (records(journal)[:7] + records(journal)[8:], records(journal)[:7] + records(journal)[6:]):
         only(place, journal[:HEADER] + b"".join(bad))
         claim("torn" in resumed(place, SMALL, want, "a record left out, or twice there")[1], "a record left out, or twice there: said")
-    for at, value in ((40, b"\xc8"), (40, b"\x04"), (41, b"\x02"), (42, b"\x02"), (36, struct.pack("<f", math.nan)), (24, struct.pack("<f", math.inf))):
+    for at, value in ((40, b"\xc8"), (40, b"\x05"), (41, b"\x02"), (42, b"\x02"), (36, struct.pack("<f", math.nan)), (24, struct.pack("<f", math.inf))):
         bad = bytearray(records(journal)[7])
         bad[at:at + len(value)] = value
         bad[-4:] = struct.pack("<I", crc32c(bytes(bad[:-4])))
         only(place, journal[:HEADER + 7 * RECORD] + bytes(bad) + journal[HEADER + 8 * RECORD:])
         claim("torn" in resumed(place, SMALL, want, f"what cannot be at {at}")[1], f"what cannot be at {at}: said")
+    bad = bytearray(records(journal)[7])
+    bad[24:43] = bytes(16) + b"\4\0\0"      # corrupt, as an engine gives it: it stays, and so does what is behind it
+    bad[-4:] = struct.pack("<I", crc32c(bytes(bad[:-4])))
+    only(place, journal[:HEADER + 7 * RECORD] + bytes(bad) + journal[HEADER + 8 * RECORD:])
+    again = place.run(SMALL + " --resume")
+    claim("goes on from 20 records" in again.stderr and "torn" not in again.stderr and b'"corrupt": 1' in read(place.csv.replace(".csv", ".json")), f"a corrupt one: {again.stderr!r}")
     only(place, forged(journal))
     place.run(SMALL + " --resume")
     claim(place.results() != want, "what the journal holds is not run again")

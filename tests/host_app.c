@@ -345,8 +345,8 @@ static void bounds_settings(void)
 
     bench_start(&bench);
     CHECK(sets(&bench, "RPM 10000", "RPM?", "10000.00\r\n") && sets(&bench, "MU 1000", "MU?", "1000.000000\r\n"));
-    CHECK(sets(&bench, "WOB 1000", "WOB?", "1000.00\r\n") && sets(&bench, "MU .000000001", "MU?", "0.000000\r\n"));
-    CHECK(sets(&bench, "MU 0.04", "MU?", "0.040000\r\n") && sets(&bench, "RPM .001", "RPM?", "0.00\r\n") && sets(&bench, "RPM 60", "RPM?", "60.00\r\n"));
+    CHECK(sets(&bench, "WOB 1000", "WOB?", "1000.00\r\n") && sets(&bench, "MU .000001", "MU?", "0.000001\r\n"));
+    CHECK(sets(&bench, "MU 0.04", "MU?", "0.040000\r\n") && sets(&bench, "RPM .01", "RPM?", "0.01\r\n") && sets(&bench, "RPM 60", "RPM?", "60.00\r\n"));
     CHECK(out_of_range(&bench, "MU 5000", "MU?", "0.040000\r\n") && out_of_range(&bench, "MU 1000.01", "MU?", "0.040000\r\n"));
     CHECK(out_of_range(&bench, "MU 0", "MU?", "0.040000\r\n") && out_of_range(&bench, "MU -1", "MU?", "0.040000\r\n"));
     CHECK(out_of_range(&bench, "RPM 999999999", "RPM?", "60.00\r\n") && out_of_range(&bench, "RPM 10000.1", "RPM?", "60.00\r\n"));

@@ -91,7 +91,10 @@ int main(void)
 
     board_text("hello " BOARD_NAME "\n");
     line_ask(line);
-    (void)line_read(line, keys, asked, 2);
+    if (line_read(line, keys, asked, 2)) {
+        board_text("line not understood\n");
+        return 2;
+    }
     say("seed_low", (uint32_t)asked[0]);
     say("seed_high", (uint32_t)(asked[0] >> 32));
     say("first", (uint32_t)asked[1]);

@@ -64,10 +64,10 @@ static int takes(const kelly_case *run)
 
 enum { RPM, WOB, MU, SETTINGS };
 
-/* What the host takes (host/options.c); the weight's bounds are the table's. Within them say_setting has room. */
+/* What the host takes (host/options.c), from the last digit that is said on; the weight's bounds are the table's. */
 static int in_range(int what, real value)
 {
-    static const real least[SETTINGS] = { [RPM] = R(1e-3), [WOB] = 0, [MU] = R(1e-9) }, most[SETTINGS] = { [RPM] = R(1e4), [WOB] = R(1e6), [MU] = R(1e3) };
+    static const real least[SETTINGS] = { [RPM] = R(0.01), [WOB] = 0, [MU] = R(1e-6) }, most[SETTINGS] = { [RPM] = R(1e4), [WOB] = R(1e6), [MU] = R(1e3) };
 
     return value >= least[what] && value <= most[what];
 }

@@ -4,9 +4,9 @@
  *   *RST                     idle, the well file's case, WITS off
  *   *CLS                     forget the errors
  *   SYSTem:ERRor?            the oldest error: 0,"No error" where there is none; nothing else is ever printed about errors
- *   RPM n   RPM?             top speed [rpm], 0.001..10000; while the string runs it gets there within a second
+ *   RPM n   RPM?             top speed [rpm], 0.01..10000; while the string runs it gets there within a second
  *   WOB n   WOB?             weight on bit [kN]; at once
- *   MU n    MU?              bit-rock factor [m], 1e-9..1000, for the next start
+ *   MU n    MU?              bit-rock factor [m], 0.000001..1000, for the next start
  *   STARt   STOP             the string of this case in real time
  *   READ?                    time_s,bit_rpm,top_rpm,surface_torque_kNm,bit_torque_kNm,wob_kN
  *   STATus?                  late steps, worst lateness [us], load [%]

@@ -24,7 +24,7 @@ typedef struct {
 } line_key;
 
 /* values[k]: the decimal number after `key=` of keys[k], of at most 32 keys. -> 0, or the first word, and what follows it, that is not
- * `key=number` with one of these keys, for the first time, and a number that it takes. */
+ * `key=number` with one of these keys, for the first time, and a number that it takes; the values are void then. */
 const char *line_read(const char line[LINE_MAX], const line_key keys[], uint64_t values[], unsigned count);
 
 #endif
