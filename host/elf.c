@@ -102,7 +102,7 @@ void elf_image(const char *path, uint32_t *crc, uint32_t *size)
     }
     image = calloc(1, high - low);
     if (!image) {
-        die(EXIT_FAILURE, "--image %s: no memory for its %llu bytes", path, (unsigned long long)(high - low));
+        die(EXIT_FAILED, "--image %s: no memory for its %llu bytes", path, (unsigned long long)(high - low));
     }
     for (unsigned i = 0; i < count; i++) {
         if (segment_at(&f, i, &s)) {
