@@ -231,6 +231,22 @@ def counts_overloads():
         yield report["late"] == steps and report["steps"] == 10000, f"{steps} injected, {report['late']} late"
 
 
+def sleeps_through_no_tick(target):
+    """A step that ends just before its next tick: whichever of the instructions before the sleep the tick meets, it is not slept over."""
+    def worst(micros):
+        report = Run(f"--mode realtime --duration 2 {CLOCK} --port qemu:{target} --overload 1:{micros}").report()
+        return report["late"], report["worst_late_us"]
+    before, after = 800, 990                 # too early, and so late that the next step has to wait
+    start, end = worst(before), worst(after)
+    yield start[0] == end[0] == 0 and start[1] < 10 < end[1] < 200, f"between them is the sleep: {start}, {end}"
+    while after - before > 1:
+        middle = (before + after) // 2
+        before, after = (before, middle) if worst(middle)[1] >= 10 else (middle, after)
+    for micros in range(after - 20, after + 5):
+        late, micros_late = worst(micros)
+        yield late == 0 and micros_late < 30, f"a step of {micros} us: {late} late, {micros_late} us"
+
+
 def host_dies():
     """On the deterministic clock no commands are sent: what the board does then."""
     words = f"--mode realtime --duration 12 {CLOCK} --port qemu:rv32 --stream-hz 1 --command-timeout 3"
@@ -408,6 +424,7 @@ def scenarios():
     for target in BOARDS:
         yield f"in step {target}", in_step, (target, {"rv32": "--drive soft --sample 3", "mps2-an500": "--frame-ticks 25 --start rotating"}.get(target, ""))
         yield f"keeps time {target}", keeps_time, (target,)
+        yield f"sleeps through no tick {target}", sleeps_through_no_tick, (target,)
     yield "emulator killed", emulator_killed, ()
     yield "host killed", host_killed, ()
     yield "hanging board", hanging_board, ()

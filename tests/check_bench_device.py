@@ -355,7 +355,8 @@ def talks_to_people(target):
         board.line("wits 1")
         said = board.wait_text(b"!!\r\n") + board.wait_text(b"!!\r\n")
         yield [f["0120"] for f in wits.frames(said)][1:] == [60], f"WITS of the console: {said!r}"
-        board.line("WITS 0")
+        board.pump(b"WITS 0\nSYST:ERR?\n")
+        board.wait_text(b'0,"No error"\r\n')       # behind it no WITS comes any more
         board.line("STOP")
         board.line("  *RST")
         yield board.line("RPM?") == "%.2f" % (W0 * 30 / math.pi), "*RST: the table's case"

@@ -45,7 +45,8 @@ uint32_t board_count(void);
 /* End the program: exit status of the emulator, or of a debugger that listens; on a part alone the core sleeps. */
 _Noreturn void board_exit(int status);
 
-/* Sleep until the next tick or interrupt. */
+/* Sleep until the next tick or interrupt; not at all if one has come since this returned last. So nothing that is looked for
+ * between two calls is slept over. */
 void board_idle(void);
 
 /* Time since board_init [us], by the clock of the tick: a multiple of 1000 when the tick comes. Wraps after 71 minutes. */

@@ -52,6 +52,9 @@ _Noreturn void __aeabi_ldiv0(void);
 /* Forbid everything but code, RAM and devices; nothing on a core without an MPU. */
 void protect_memory(void);
 
+/* Until an interrupt is pending, let in or not. */
+void core_sleep(void);
+
 /* Traps and the FPU of this image; says so and ends where the core lacks the FPU that the image was built for. */
 void enable_faults(void);
 void check_fpu(void);

@@ -67,7 +67,7 @@ _Noreturn void fault_report(const uint32_t *frame, uint32_t exc_return)
         fault.from = frame[5];
         if (frame[6] == (uint32_t)(uintptr_t)exit_breakpoint) {
             for (;;) {   /* the program had ended, and no debugger was there to hear it */
-                board_idle();
+                core_sleep();
             }
         }
         if ((uintptr_t)frame >= (uintptr_t)stack_base + STACK_EDGE) {

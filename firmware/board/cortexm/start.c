@@ -126,7 +126,7 @@ void cycles_start(void)
 }
 
 int board_counts_cycles(void) { return counts_cycles; }
-void board_idle(void) { __asm volatile("wfi" ::: "memory"); }
+void core_sleep(void) { __asm volatile("wfi" ::: "memory"); }
 
 void board_quiet(int quiet)
 {
@@ -135,6 +135,24 @@ void board_quiet(int quiet)
     } else {
         __asm volatile("cpsie i" ::: "memory");
     }
+}
+
+/* Interrupts are held from the look at what has come until the core sleeps, and one that is pending ends a sleep all the same:
+ * none is served in between, to be slept over. */
+void board_idle(void)
+{
+    static uint32_t tick_seen, byte_seen;
+
+    board_quiet(1);
+    if (ticks == tick_seen && ring_in == byte_seen) {
+        core_sleep();
+        board_quiet(0);
+        __asm volatile("isb" ::: "memory");   /* here it is served */
+        board_quiet(1);
+    }
+    tick_seen = ticks;
+    byte_seen = ring_in;
+    board_quiet(0);
 }
 
 /* A breakpoint that nobody catches is a fault. Silicon shows an attached debugger in DHCSR; an emulator has no DWT. The
@@ -161,6 +179,6 @@ _Noreturn void board_exit(int status)
     }
     board_quiet(1);
     for (;;) {
-        board_idle();
+        core_sleep();
     }
 }

@@ -66,16 +66,19 @@ uint32_t board_count(void)
 }
 
 /* The timer and the UART wake wfi by being pending; they never trap, because interrupts stay off. What was pending is claimed
- * and given back, or the next sleep would end at once; a byte that is not read makes it so. */
+ * and given back, or the next sleep would end at once; a byte that is not read makes it so. The tick that is waited for is the
+ * one behind that in which the last sleep ended: if it has come meanwhile, this one ends at once. */
 void board_idle(void)
 {
-    uint64_t next = start + (uint64_t)(board_ticks() + 1u) * MTIME_PER_MS;
+    static uint64_t seen;
+    const uint64_t next = start + (seen + 1u) * MTIME_PER_MS;
 
     MTIMECMP_HIGH = 0xFFFFFFFFu;   /* no false match between the two writes */
     MTIMECMP_LOW = (uint32_t)next;
     MTIMECMP_HIGH = (uint32_t)(next >> 32);
     __asm volatile("csrs mie, %0\nwfi" ::"r"(1u << 7 | 1u << 11) : "memory");
     PLIC_CLAIM = PLIC_CLAIM;
+    seen = (mtime() - start) / MTIME_PER_MS;
 }
 
 _Noreturn void board_exit(int status)
