@@ -55,8 +55,8 @@ static void take_refused(found *f, const char *value)
     if (!f->index_taken) {
         part->refused_index[at] = (uint32_t)strtoul(value, 0, 10);
     } else {
-        for (uint8_t k = 0; k < KELLY_STATUSES; k++) {
-            part->refused_why[at] = strcmp(value, status_names[k]) == 0 ? k : part->refused_why[at];
+        for (unsigned k = 0; k < KELLY_STATUSES; k++) {
+            part->refused_why[at] = strcmp(value, status_names[k]) == 0 ? (uint8_t)k : part->refused_why[at];
         }
         part->refused_listed++;
     }
