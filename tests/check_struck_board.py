@@ -34,15 +34,20 @@ STATE = {"kelly_block": [*(f"lane[0].{m}" for m in LANE), *(f"slow[0][{i}].{m}" 
 
 
 class Debugger:
-    """Of the emulator: the few packets that are wanted here."""
+    """Of the emulator: the few packets that are wanted here. A program that runs is stopped by it, and that is its first packet."""
 
-    def __init__(self, port):
+    def __init__(self, port, running):
+        self.line, self.heard = self.connect(port), bytearray()
+        self.line.settimeout(SLOW / 2)
+        self.line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        if running:
+            self.answer()
+
+    @staticmethod
+    def connect(port):
         for _ in range(100):
             try:
-                self.line = socket.create_connection(("127.0.0.1", port))
-                self.line.settimeout(SLOW / 2)
-                self.line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-                return
+                return socket.create_connection(("127.0.0.1", port))
             except OSError:
                 time.sleep(0.05)
         raise RuntimeError("no debugger")
@@ -55,14 +60,16 @@ class Debugger:
         return self.answer()
 
     def answer(self):
-        answer = b""
-        while not re.search(rb"\$[^#]*#..$", answer):
+        """The next packet, also of several that have come at once."""
+        while not (packet := re.search(rb"\$([^#]*)#..", self.heard)):
             got = self.line.recv(4096)
             if not got:
                 raise RuntimeError("the debugger is gone")
-            answer += got
+            self.heard += got
+        said = packet[1].decode()
+        del self.heard[:packet.end()]
         self.line.sendall(b"+")
-        return re.search(rb"\$([^#]*)#..$", answer)[1].decode()
+        return said
 
 
 def free_port():
@@ -116,7 +123,7 @@ def estimate(target, elf, strike=None):
     with concurrent.futures.ThreadPoolExecutor(1) as pool:
         said = pool.submit(run, words, [LINE], 120)
         if strike:
-            debugger = Debugger(port)
+            debugger = Debugger(port, running=False)
             debugger.ask("Z" + strike.stop)
             debugger.send("c")
             strike.wait(debugger)
@@ -132,14 +139,15 @@ def over_the_line(target, elf, strike, case, ask):
         board.set_case(**case)
         if not strike:
             return ask(board)
-        debugger = Debugger(port)                                     # which stops the program
+        debugger = Debugger(port, running=True)
         debugger.ask("Z" + strike.stop)
         debugger.send("c")
         with concurrent.futures.ThreadPoolExecutor(1) as pool:
             done = pool.submit(strike.wait, debugger)
-            said = ask(board)
-            done.result()
-        return said
+            try:
+                return ask(board)
+            finally:
+                done.result()                                         # what went wrong in it is the cause of what went wrong here
 
 
 def campaign(target, elf, strike=None):
