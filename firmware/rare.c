@@ -88,11 +88,15 @@ static float kth_guide(kelly_rare *rare, uint32_t k)
 {
     union { uint32_t bits; float guide; } u = { .bits = 0 };
 
+    /*@ loop invariant i <= rare->n;
+        loop assigns i, u, rare->keys[0 .. \at(rare->n, Pre) - 1]; */
     for (uint32_t i = 0; i < rare->n; i++) {
         u.guide = rare->samples[i].guide;
         rare->keys[i] = u.guide > 0.0f ? u.bits : 0;
     }
     heap(rare->keys, rare->n);
+    /*@ loop invariant taken <= k;
+        loop assigns taken, u, rare->keys[0 .. \at(rare->n, Pre) - 1]; */
     for (uint32_t taken = 0; taken < k; taken++) {
         u.bits = pop(rare->keys, rare->n - taken);
     }
@@ -110,6 +114,8 @@ static uint32_t count_different(kelly_rare *rare, int finds, float *in_effect)
     uint32_t n = 0, different = 0, last = 0;
     float all, same = 0.0f, squares = 0.0f;
 
+    /*@ loop invariant n <= i <= rare->n;
+        loop assigns i, n, rare->keys[0 .. \at(rare->n, Pre) - 1]; */
     for (uint32_t i = 0; i < rare->n; i++) {
         if (kelly_rare_failed(&rare->samples[i])) {
             rare->keys[n++] = finds ? rare->samples[i].find : rare->samples[i].id;
@@ -117,6 +123,8 @@ static uint32_t count_different(kelly_rare *rare, int finds, float *in_effect)
     }
     all = (float)(int32_t)n;
     heap(rare->keys, n);
+    /*@ loop invariant n <= rare->n;
+        loop assigns n, different, last, squares, same, rare->keys[0 .. \at(rare->n, Pre) - 1]; */
     for (; n > 0; n--) {
         const uint32_t id = pop(rare->keys, n);
 
@@ -160,6 +168,8 @@ static uint32_t count_pairs(const kelly_rare *rare, uint32_t lag, float guide)
     const uint32_t apart = lag * rare->chains;
     uint32_t pairs = 0;
 
+    /*@ loop invariant pairs <= i <= rare->n - apart;
+        loop assigns i, pairs; */
     for (uint32_t i = 0; i + apart < rare->n; i++) {
         pairs += inside(rare, i, guide) && inside(rare, i + apart, guide);
     }
@@ -181,6 +191,8 @@ static void measure(kelly_rare *rare, float guide)
         return;
     }
     p = (wide)found / (wide)rare->n;
+    /*@ loop invariant 1 <= lag <= KELLY_RARE_STATES;
+        loop assigns lag, gamma; */
     for (uint32_t lag = 1; rare->level > 0 && lag < KELLY_RARE_STATES; lag++) {
         const wide both = (wide)count_pairs(rare, lag, guide) / (wide)(rare->n - lag * rare->chains);
 
@@ -192,6 +204,8 @@ static void measure(kelly_rare *rare, float guide)
 /* The first `chains` samples in the event go to the front, in order: any choice that does not look at the guide is fair. */
 static void choose_seeds(kelly_rare *rare, float guide)
 {
+    /*@ loop invariant kept <= i <= rare->n;
+        loop assigns i, kept, rare->samples[0 .. \at(rare->n, Pre) - 1]; */
     for (uint32_t i = 0, kept = 0; i < rare->n && kept < rare->chains; i++) {
         kelly_rare_sample sample;
 
@@ -223,8 +237,13 @@ static void propose(kelly_rare *rare)
 {
     const uint32_t from = rare->quarter * (rare->chains / QUARTERS);
 
+    //@ assert from: from <= rare->chains - rare->chains / QUARTERS;
+    //@ assert at: rare->chains <= rare->at * rare->chains <= 9 * rare->chains;
     rare->first = rare->at * rare->chains + from;
     rare->count = rare->chains / QUARTERS;
+    //@ assert span: rare->chains <= rare->first && rare->first + rare->count <= rare->n;
+    /*@ loop invariant \at(rare->first, LoopEntry) <= i <= \at(rare->first, LoopEntry) + \at(rare->count, LoopEntry);
+        loop assigns i, rare->realisations, rare->samples[\at(rare->chains, Pre) .. \at(rare->n, Pre) - 1]; */
     for (uint32_t i = rare->first; i < rare->first + rare->count; i++) {
         const kelly_rare_sample *const old = &rare->samples[i - rare->chains];
         kelly_rng rng;
@@ -244,9 +263,13 @@ static void draw_all(kelly_rare *rare)
 {
     rare->first = 0;
     rare->count = rare->n;
+    /*@ loop invariant i <= rare->n;
+        loop assigns i, rare->realisations, rare->samples[0 .. \at(rare->n, Pre) - 1]; */
     for (uint32_t i = 0; i < rare->n; i++) {
         rare->samples[i] = (kelly_rare_sample){ .id = rare->realisations };
         rare->realisations++;
+        /*@ loop invariant k <= KELLY_PARAMETERS;
+            loop assigns k, rare->samples[i].x[0 .. KELLY_PARAMETERS - 1]; */
         for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
             kelly_rng rng;
 
@@ -272,6 +295,8 @@ static void settle(kelly_rare *rare)
     kelly_rare_level *const level = now(rare);
     uint32_t accepted = 0;
 
+    /*@ loop invariant \at(rare->first, Pre) <= i <= \at(rare->first, Pre) + \at(rare->count, Pre);
+        loop assigns i, accepted, level->refused, rare->samples[0 .. \at(rare->n, Pre) - 1]; */
     for (uint32_t i = rare->first; i < rare->first + rare->count; i++) {
         level->refused += rare->samples[i].guide < 0.0f;
         if (rare->level > 0 && inside(rare, i, rare->guide)) {
@@ -403,6 +428,8 @@ const char *kelly_rare_start(kelly_rare *rare, const float cov[KELLY_PARAMETERS]
 {
     unsigned laws = 0;
 
+    /*@ loop invariant laws <= k <= KELLY_PARAMETERS;
+        loop assigns k, laws; */
     for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
         laws += cov[k] >= KELLY_RARE_COV;
     }
@@ -412,7 +439,11 @@ const char *kelly_rare_start(kelly_rare *rare, const float cov[KELLY_PARAMETERS]
     if (laws == 0) {
         return "nothing is random: P is 0 or 1; give a coefficient of variation";
     }
+    //@ assert tenths: n / KELLY_RARE_STATES * KELLY_RARE_STATES == n && n / KELLY_RARE_STATES % QUARTERS == 0;
     *rare = (kelly_rare){ .seed = seed, .n = n, .chains = n / KELLY_RARE_STATES, .samples = samples, .keys = keys, .step = FIRST_STEP };
+    //@ assert begun: rare->n == n && rare->chains == n / KELLY_RARE_STATES && rare->samples == samples && rare->keys == keys && rare->level == 0;
+    /*@ loop invariant k <= KELLY_PARAMETERS;
+        loop assigns k, rare->cov[0 .. KELLY_PARAMETERS - 1]; */
     for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
         rare->cov[k] = cov[k];
     }

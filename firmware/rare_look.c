@@ -12,6 +12,8 @@ static wide reached(const kelly_rare *look)
 {
     wide p = 1;
 
+    /*@ loop invariant i <= look->level;
+        loop assigns i, p; */
     for (uint32_t i = 0; i < look->level; i++) {
         p *= (wide)look->levels[i].inside / (wide)look->n;
     }
@@ -28,7 +30,14 @@ void kelly_rare_look(kelly_rare *look, const kelly_rare_hint *hint, unsigned mod
     const float enough = enough_of(hint);
     uint32_t found = 0, kept = 0, every;
 
+    /*@ loop invariant look->n == \at(look->n, Pre) && look->chains == \at(look->chains, Pre) && look->level < KELLY_RARE_LEVELS;
+        loop invariant look->samples == \at(look->samples, Pre) && look->keys == \at(look->keys, Pre);
+        loop invariant look->count > 0 ==> look->first + look->count <= look->n;
+        loop invariant look->count > 0 && look->level > 0 ==> look->first >= look->chains && look->quarter < 4 && 1 <= look->at < KELLY_RARE_STATES;
+        loop assigns *look, *(\at(look->samples, Pre) + (0 .. \at(look->n, Pre) - 1)), *(\at(look->keys, Pre) + (0 .. \at(look->n, Pre) - 1)); */
     while (kelly_rare_count(look) > 0 && reached(look) >= least) {
+        /*@ loop invariant \at(look->first, LoopEntry) <= i <= \at(look->first, LoopEntry) + \at(look->count, LoopEntry);
+            loop assigns i, look->samples[0 .. \at(look->n, Pre) - 1]; */
         for (uint32_t i = look->first; i < look->first + look->count; i++) {
             const float ss = kelly_rare_resonance(hint, look->samples[i].x, mode);
 
@@ -41,6 +50,8 @@ void kelly_rare_look(kelly_rare *look, const kelly_rare_hint *hint, unsigned mod
         return;
     }
     every = look->levels[look->level].failed / most;
+    /*@ loop invariant front: found <= i && kept <= i <= \at(look->n, Pre) && kept <= most;
+        loop assigns i, found, kept, look->samples[0 .. \at(look->n, Pre) - 1]; */
     for (uint32_t i = 0; i < look->n && kept < most; i++) {                /* every so many of them, to the front */
         kelly_rare_sample sample;
 
@@ -56,6 +67,8 @@ void kelly_rare_look(kelly_rare *look, const kelly_rare_hint *hint, unsigned mod
 void kelly_rare_see(const kelly_rare *look, kelly_rare_seen *seen)
 {
     *seen = (kelly_rare_seen){ .tried = look->count };
+    /*@ loop invariant i <= look->count;
+        loop assigns i, seen->failed; */
     for (uint32_t i = 0; i < look->count; i++) {
         seen->failed += kelly_rare_failed(&look->samples[i]) ? 1u : 0u;
     }
@@ -76,6 +89,8 @@ static wide share_seen(const kelly_rare *rare, const kelly_rare_hint *hint, unsi
     uint32_t failed = 0, seen = 0;
     wide share;
 
+    /*@ loop invariant seen <= failed <= i <= rare->n;
+        loop assigns i, failed, seen; */
     for (uint32_t i = 0; i < rare->n; i++) {
         if (kelly_rare_failed(&rare->samples[i])) {
             failed++;

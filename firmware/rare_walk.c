@@ -89,6 +89,8 @@ void kelly_rare_aim(kelly_rare *rare)
 {
     float sum = 0.0f, squares = 0.0f, n = 0.0f, mean, variance;
 
+    /*@ loop invariant i <= rare->chains;
+        loop assigns i, sum, squares, n; */
     for (uint32_t i = 0; i < rare->chains; i++) {
         const kelly_rare_sample *const seed = &rare->samples[i];
 

@@ -87,17 +87,28 @@ DRIVERS = {
               "-eva-use-spec kelly_sin_turn"),
 }
 # what each file needs besides eva.h
-FLAGS = {"step": "-include torque.h", "turns": "-include torque.h -DKELLY_VECTORS=4", "driven": "-include torque.h"}
+FLAGS = {"step": "-include torque.h", "turns": "-include torque.h -DKELLY_VECTORS=4", "driven": "-include torque.h",
+         **dict.fromkeys(("unpacking", "round trip"), " -include receiver.h"),
+         **dict.fromkeys(("level", "next level", "seeds", "look at a mode"), " -include levels.h")}
 
 # name: (files, functions, options, options where a fault is planted): goals of WP, run-time errors included. Split: a branch of a loop's
 # body, a goal. Where a fault is planted a goal has as long as the sound program's goals do not take.
 SPLIT = "-wp-split -wp-timeout 40"
+INDICES = SPLIT + " -wp-model Typed+real -warn-special-float none"
+BY_EVA = " -wp-prop=-argument,-begun"
 WP = {
-    "packing": (["firmware/link/frame"], "kelly_cobs", SPLIT, "-wp-prop packed -wp-timeout 10"),
-    "unpacking": (["firmware/link/frame", "tests/eva/roundtrip"], "append,kelly_receive", SPLIT, "-wp-timeout 10"),
-    "round trip": (["firmware/link/frame", "tests/eva/roundtrip"], "round_trip", SPLIT, "-wp-prop one -wp-timeout 30"),
-    "heap": (["firmware/rare"], "sink,heap,pop", SPLIT, "-wp-timeout 5"),
+    "packing": (["firmware/link/frame"], "kelly_cobs", SPLIT, SPLIT + " -wp-prop packed -wp-timeout 10"),
+    "unpacking": (["firmware/link/frame", "tests/eva/roundtrip"], "append,kelly_receive", SPLIT, SPLIT + " -wp-timeout 10"),
+    "round trip": (["firmware/link/frame", "tests/eva/roundtrip"], "round_trip", SPLIT, SPLIT + " -wp-prop one -wp-timeout 30"),
+    "heap": (["firmware/rare"], "sink,heap,pop", SPLIT, SPLIT + " -wp-timeout 5"),
     "ring": (["firmware/app/out"], "send_one,out_defer,out_pump,out_room,out_byte", "-wp-timeout 40", "-wp-timeout 10"),
+    "level": (["firmware/rare"], "kth_guide,count_different,know_failures,inside,count_pairs,measure,choose_seeds,key_move,is_led,propose,draw_all,"
+              "descend,settle,kelly_rare_failed,kelly_rare_count,kelly_rare_start", INDICES + BY_EVA, INDICES + " -wp-prop span -wp-timeout 20"),
+    "next level": (["firmware/rare"], "now,adapt,judge,judge_failures,end_level,next_level,kelly_rare_accept", INDICES + BY_EVA,
+                   INDICES + " -wp-prop turn -wp-timeout 40"),
+    "seeds": (["firmware/rare_walk"], "kelly_rare_aim", INDICES + BY_EVA, INDICES + " -wp-timeout 20"),
+    "look at a mode": (["firmware/rare_look"], "enough_of,reached,kelly_rare_look,kelly_rare_see,share_seen", INDICES + BY_EVA,
+                       INDICES + " -wp-prop front -wp-timeout 20"),
 }
 
 # What the proofs take for granted, besides Frama-C itself.
@@ -114,7 +125,8 @@ ASSUMED = [
     "plant.h: mu within 3 m, f0 within 5e5 N; readings of a sane string, speeds within 1e6 rad/s, modal values within 1e15",
     "ensemble.h: windows that open before step 1, 32768 or 2^31 and close no earlier stand for all; propagators are stubs there",
     "tally.h: the continued fraction of the incomplete beta function stays within 1e12",
-    "rare.h: levels of 40 samples (a look's of 4) stand for all, but in the order of guides (WP); a walk stays within |x| of 1000, as "
+    "rare.h: memory and indices are proved for a level of any size (WP), values for one of 40 samples (a look's of 4): of counts and "
+    "their squares, within 1e12 at 1000000; a walk stays within |x| of 1000, as "
     "9.3 sqrt(1 + moves) is all that 11 levels of 9 led moves of 8 steps make; hints within 1e6, a level of them within 1e9, variances of a level within 1e9",
     "rare.h: speeds of 0.01 rad/s and more, 10 torsional modes, under a guide or hint that lies within the ranges of string_model.h",
     "link.h, wits.h: numbers within 1e30; sobol.h: values within 1e12, and its root falls from 1 + x",
@@ -127,6 +139,9 @@ PLANTED = {
     "a ring one byte too full": ("ring", "firmware/app/out.c", "if (waiting == OUT_RING) {", "if (waiting > OUT_RING) {"),
     "a byte in another's place": ("ring", "firmware/app/out.c", "ring[(oldest + waiting) % OUT_RING] = byte;", "ring[waiting % OUT_RING] = byte;"),
     "a child beyond the heap": ("heap", "firmware/rare.c", "child + 1 < n && keys[child + 1]", "child + 1 <= n && keys[child + 1]"),
+    "a chain beyond the last": ("level", "firmware/rare.c", "rare->at * rare->chains + from;", "rare->at * rare->chains + from + 1;"),
+    "a seed beyond the front": ("look at a mode", "firmware/rare_look.c", "i < look->n && kept < most", "i <= look->n && kept < most"),
+    "a state beyond the last": ("next level", "firmware/rare.c", "rare->at + 1 < KELLY_RARE_STATES", "rare->at < KELLY_RARE_STATES"),
     "a byte that is not sent": ("ring", "firmware/app/out.c", "    board_write(ring[oldest]);\n", ""),
     "a byte that is dropped": ("ring", "firmware/app/out.c", "        board_write(byte);\n", ""),
     "off by one in COBS": ("packing", "firmware/link/frame.c", "if (at - code_at == GROUP) {", "if (at - code_at == GROUP + 1u) {"),
@@ -223,14 +238,14 @@ class Coverage:
                 self.lines[key] = max(best, (int(words[1]), int(words[2])))
 
 
-def wp(root, name, options=""):
+def wp(root, name, planted=False):
     """-> goals proved, goals, the longest that a prover took for one [s]"""
-    files, functions, usual, _ = WP[name]
+    files, functions, *options = WP[name]
     directory = os.path.join(OUT, "wp-" + name.replace(" ", "-"))
     os.makedirs(directory, exist_ok=True)
     text = frama_c(root, directory, [os.path.join(root, file + ".c") for file in files],
-                   ["-wp", "-wp-rte", "-wp-fct", functions, "-wp-prover", "z3,cvc4", *usual.split(), *options.split()],
-                   "-include contracts.h" + " -include receiver.h" * (len(files) > 1))
+                   ["-wp", "-wp-rte", "-wp-fct", functions, "-wp-prover", "z3,cvc4", *options[planted].split()],
+                   "-include contracts.h" + FLAGS.get(name, ""))
     with open(os.path.join(directory, "log.txt"), "w", encoding="utf-8") as file_:
         file_.write(text)
     found = re.search(r"Proved goals:\s+(\d+) / (\d+)", text)
@@ -302,7 +317,7 @@ def faults():
         if where in DRIVERS:
             seen = bool(open_ones(eva(copy, "planted-run", where)))
         else:
-            proved, goals, _ = wp(copy, where, WP[where][3])
+            proved, goals, _ = wp(copy, where, planted=True)
             seen = proved < goals
         found += claim(seen, f"{name}: planted, and not found")
     return found

@@ -38,7 +38,7 @@ wide kelly_log(wide x);
     ensures x <= 77 ==> \result <= 1e45; */
 wide kelly_exp(wide x);
 
-/*@ requires \is_finite(x) && x >= 0;
+/*@ requires argument: \is_finite(x) && x >= 0;
     assigns \result \from x;
     ensures \is_finite(\result) && 0 <= \result <= 0x1p64; */
 float kelly_sqrt32(float x);

@@ -1,0 +1,148 @@
+/* levels.h - for WP: a level of rare.h of any size, and what each function of rare.c and rare_look.c, and kelly_rare_aim, asks of it and leaves
+ * of it. Of memory and indices only: floats are taken as reals, and what values they have is Eva's to say (tests/eva/rare.c, look.c, walk.c). */
+#ifndef KELLY_EVA_LEVELS_H
+#define KELLY_EVA_LEVELS_H
+
+#include "rare.h"
+
+/*@ predicate sized(kelly_rare *r) = KELLY_RARE_MIN <= r->n <= KELLY_RARE_MAX && r->n % 40 == 0 && 10 * r->chains == r->n && r->chains % 4 == 0 &&
+      r->level < KELLY_RARE_LEVELS;
+    predicate held(kelly_rare *r) = \valid(r) && \valid(r->samples + (0 .. r->n - 1)) && \valid(r->keys + (0 .. r->n - 1)) &&
+      \separated(r, r->samples + (0 .. r->n - 1), r->keys + (0 .. r->n - 1));
+    predicate span(kelly_rare *r) = r->first + r->count <= r->n && (r->level > 0 ==> r->first >= r->chains);
+    predicate turn(kelly_rare *r) = r->quarter < 4 && 1 <= r->at < KELLY_RARE_STATES;
+    predicate ready(kelly_rare *r) = span(r) && (r->level > 0 ==> turn(r));
+*/
+/*@ requires sized(rare) && held(rare) && 1 <= k <= rare->n;
+    assigns rare->keys[0 .. rare->n - 1]; */
+static float kth_guide(kelly_rare *rare, uint32_t k);
+/*@ requires \valid_read(sample);
+    assigns \nothing; */
+int kelly_rare_failed(const kelly_rare_sample *sample);
+/*@ requires sized(rare) && held(rare) && \valid(in_effect);
+    assigns rare->keys[0 .. rare->n - 1], *in_effect; */
+static uint32_t count_different(kelly_rare *rare, int finds, float *in_effect);
+/*@ requires i < rare->n && held(rare);
+    assigns \nothing;
+    ensures \result == 0 || \result == 1; */
+static int inside(const kelly_rare *rare, uint32_t i, float guide);
+/*@ requires sized(rare) && held(rare) && lag < KELLY_RARE_STATES;
+    assigns \nothing;
+    ensures \result <= rare->n; */
+static uint32_t count_pairs(const kelly_rare *rare, uint32_t lag, float guide);
+/*@ requires sized(rare) && held(rare);
+    assigns \nothing;
+    ensures \result == &rare->levels[rare->level]; */
+static kelly_rare_level *now(kelly_rare *rare);
+/*@ requires \valid_read(rare);
+    assigns \nothing; */
+static int is_led(const kelly_rare *rare);
+/*@ requires sized(rare) && held(rare);
+    assigns rare->samples[0 .. rare->n - 1]; */
+static void choose_seeds(kelly_rare *rare, float guide);
+/*@ requires \valid_read(rare) && \valid(rng);
+    assigns *rng; */
+static void key_move(const kelly_rare *rare, uint32_t chain, kelly_rng *rng);
+/*@ requires \valid_read(rare) && \valid(rng) && \valid_read(old + (0 .. 4)) && \valid(next + (0 .. 4));
+    assigns *rng, next[0 .. 4];
+*/
+int kelly_rare_move(const kelly_rare *rare, kelly_rng *rng, int led, const float old[KELLY_PARAMETERS], float next[KELLY_PARAMETERS]);
+/*@ requires \valid(rng);
+    assigns *rng; */
+void kelly_rng_key(kelly_rng *rng, uint64_t seed, uint32_t index, uint32_t stream);
+/*@ requires \valid(rng);
+    assigns *rng; */
+float kelly_gamma_normal(kelly_rng *rng, float cov);
+/*@ requires \valid(state);
+    assigns *state; */
+uint64_t kelly_splitmix64(uint64_t *state);
+/*@ requires sized(rare) && held(rare) && rare->level > 0;
+    requires turn: turn(rare);
+    assigns rare->first, rare->count, rare->realisations, rare->samples[rare->chains .. rare->n - 1];
+    ensures span(rare); */
+static void propose(kelly_rare *rare);
+/*@ requires sized(rare) && held(rare);
+    assigns rare->first, rare->count, rare->realisations, rare->samples[0 .. rare->n - 1];
+    ensures rare->first == 0 && rare->count == rare->n; */
+static void draw_all(kelly_rare *rare);
+/*@ requires \valid(rare) && \valid_read(cov + (0 .. KELLY_PARAMETERS - 1)) && \separated(rare, cov + (0 .. KELLY_PARAMETERS - 1));
+    requires n <= KELLY_RARE_MAX ==> \valid(samples + (0 .. n - 1)) && \valid(keys + (0 .. n - 1)) &&
+      \separated(rare, samples + (0 .. n - 1), keys + (0 .. n - 1)) && \separated(cov + (0 .. KELLY_PARAMETERS - 1), samples + (0 .. n - 1));
+    assigns *rare, samples[0 .. n - 1];
+    ensures \result == \null ==> sized(rare) && held(rare) && ready(rare) && rare->n == n; */
+const char *kelly_rare_start(kelly_rare *rare, const float cov[KELLY_PARAMETERS], uint64_t seed, uint32_t n,
+                             kelly_rare_sample *samples, uint32_t *keys);
+/*@ requires sized(rare) && held(rare) && i < rare->n && (rare->level > 0 ==> i >= rare->chains);
+    assigns rare->samples[i].find; */
+static void descend(kelly_rare *rare, uint32_t i);
+/*@ requires sized(rare) && held(rare) && span(rare);
+    assigns rare->levels[0 .. KELLY_RARE_LEVELS - 1], rare->straight, rare->straight_accepted, rare->samples[0 .. rare->n - 1]; */
+static void settle(kelly_rare *rare);
+
+/*@ requires sized(rare) && held(rare);
+    assigns rare->keys[0 .. rare->n - 1], rare->distinct, rare->finds; */
+static void know_failures(kelly_rare *rare);
+/*@ requires sized(rare) && held(rare);
+    assigns rare->levels[0 .. KELLY_RARE_LEVELS - 1]; */
+static void measure(kelly_rare *rare, float guide);
+/*@ requires sized(rare) && held(rare);
+    assigns rare->levels[0 .. KELLY_RARE_LEVELS - 1], rare->straight, rare->straight_accepted, rare->leads, rare->step; */
+static void adapt(kelly_rare *rare);
+/*@ requires sized(rare) && held(rare);
+    assigns \nothing; */
+static kelly_rare_state judge(const kelly_rare *rare);
+/*@ requires sized(rare) && held(rare);
+    assigns \nothing;
+    ensures \result != KELLY_RARE_RUNNING; */
+static kelly_rare_state judge_failures(const kelly_rare *rare);
+/*@ requires sized(rare) && held(rare);
+    assigns \nothing; */
+wide kelly_rare_product(const kelly_rare *rare);
+/*@ requires sized(rare) && held(rare);
+    assigns rare->keys[0 .. rare->n - 1], rare->distinct, rare->finds, rare->levels[0 .. KELLY_RARE_LEVELS - 1];
+    ensures \result == KELLY_RARE_RUNNING ==> rare->level + 1 < KELLY_RARE_LEVELS; */
+static kelly_rare_state end_level(kelly_rare *rare);
+/*@ requires sized(rare) && held(rare);
+    assigns rare->hint_level; */
+void kelly_rare_aim(kelly_rare *rare);
+/*@ requires sized(rare) && held(rare);
+    assigns *rare, rare->samples[0 .. rare->n - 1], rare->keys[0 .. rare->n - 1];
+    ensures sized(rare) && held(rare) && (rare->count > 0 ==> ready(rare));
+    ensures rare->n == \old(rare->n) && rare->chains == \old(rare->chains) && rare->samples == \old(rare->samples) && rare->keys == \old(rare->keys); */
+static void next_level(kelly_rare *rare);
+/*@ requires sized(rare) && held(rare) && (rare->count > 0 ==> ready(rare));
+    assigns *rare, rare->samples[0 .. rare->n - 1], rare->keys[0 .. rare->n - 1];
+    ensures sized(rare) && held(rare) && (rare->count > 0 ==> ready(rare));
+    ensures rare->n == \old(rare->n) && rare->chains == \old(rare->chains) && rare->samples == \old(rare->samples) && rare->keys == \old(rare->keys); */
+void kelly_rare_accept(kelly_rare *rare);
+/*@ requires \valid_read(rare);
+    assigns \nothing;
+    ensures \result == rare->count; */
+uint32_t kelly_rare_count(const kelly_rare *rare);
+/*@ requires \valid_read(x + (0 .. 4));
+    assigns \nothing; */
+float kelly_rare_resonance(const kelly_rare_hint *hint, const float x[KELLY_PARAMETERS], unsigned mode);
+/*@ requires \valid_read(x + (0 .. 4));
+    assigns \nothing; */
+float kelly_rare_guess(const kelly_rare_hint *hint, const float x[KELLY_PARAMETERS]);
+/*@ requires \valid_read(hint) && \valid_read(hint->run);
+    assigns \nothing; */
+static float enough_of(const kelly_rare_hint *hint);
+/*@ requires sized(look) && held(look);
+    assigns \nothing; */
+static wide reached(const kelly_rare *look);
+/*@ requires sized(look) && held(look) && (look->count > 0 ==> ready(look)) && most > 0 && \valid_read(hint) && \valid_read(hint->run);
+    requires \separated(hint, look, look->samples + (0 .. look->n - 1), look->keys + (0 .. look->n - 1));
+    assigns *look, look->samples[0 .. look->n - 1], look->keys[0 .. look->n - 1];
+    ensures sized(look) && held(look) && look->first == 0 && look->count <= look->n || look->count == 0; */
+void kelly_rare_look(kelly_rare *look, const kelly_rare_hint *hint, unsigned mode, wide least, uint32_t most);
+/*@ requires sized(look) && held(look) && look->count <= look->n && \valid(seen) && \separated(seen, look, look->samples + (0 .. look->n - 1));
+    assigns *seen; */
+void kelly_rare_see(const kelly_rare *look, kelly_rare_seen *seen);
+/*@ requires \valid_read(rare) && \valid(out);
+    assigns *out; */
+void kelly_rare_read(const kelly_rare *rare, kelly_rare_estimate *out);
+/*@ requires sized(rare) && held(rare) && \valid_read(hint) && \valid_read(hint->run) && \valid(most);
+    assigns *most; */
+static wide share_seen(const kelly_rare *rare, const kelly_rare_hint *hint, unsigned mode, wide *most);
+#endif
