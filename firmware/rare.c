@@ -440,7 +440,13 @@ const char *kelly_rare_start(kelly_rare *rare, const float cov[KELLY_PARAMETERS]
         return "nothing is random: P is 0 or 1; give a coefficient of variation";
     }
     //@ assert tenths: n / KELLY_RARE_STATES * KELLY_RARE_STATES == n && n / KELLY_RARE_STATES % QUARTERS == 0;
-    *rare = (kelly_rare){ .seed = seed, .n = n, .chains = n / KELLY_RARE_STATES, .samples = samples, .keys = keys, .step = FIRST_STEP };
+    *rare = (kelly_rare){ .step = FIRST_STEP };
+    rare->seed = seed;
+    rare->n = n;
+    rare->chains = n / KELLY_RARE_STATES;
+    rare->samples = samples;
+    rare->keys = keys;
+    rare->level = 0;                                       /* WP cannot look into the literal */
     //@ assert begun: rare->n == n && rare->chains == n / KELLY_RARE_STATES && rare->samples == samples && rare->keys == keys && rare->level == 0;
     /*@ loop invariant k <= KELLY_PARAMETERS;
         loop assigns k, rare->cov[0 .. KELLY_PARAMETERS - 1]; */

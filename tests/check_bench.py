@@ -34,11 +34,6 @@ def until(condition, seconds=60):
         time.sleep(0.05)
 
 
-def children_of(process):
-    with open(f"/proc/{process.pid}/task/{process.pid}/children", encoding="ascii") as file:
-        return file.read().split()
-
-
 def watching(name):
     """A change that changes nothing and counts messages of this name in line.frames."""
     def watch(message, line):
@@ -95,9 +90,9 @@ def emulator_killed():
     """In mid-range, from outside; it is started again. And the only board there is."""
     samples, case = 80, "--duration 30 --window 20:30 --mu 0.02 --samples 80"
     run = Run(case + " --port qemu:stm32f405", wait=False)
-    until(lambda: children_of(run.process))
-    time.sleep(1.0)
-    children = children_of(run.process)
+    until(lambda: os.path.exists(run.csv + ".journal") and os.path.getsize(run.csv + ".journal") > HEADER + RECORD)
+    with open(f"/proc/{run.process.pid}/task/{run.process.pid}/children", encoding="ascii") as file:
+        children = file.read().split()
     for child in children:
         os.kill(int(child), signal.SIGKILL)
     run.wait()

@@ -34,14 +34,12 @@ STATE = {"kelly_block": [*(f"lane[0].{m}" for m in LANE), *(f"slow[0][{i}].{m}" 
 
 
 class Debugger:
-    """Of the emulator: the few packets that are wanted here. A program that runs is stopped by it, and that is its first packet."""
+    """Of the emulator: the few packets that are wanted here. A program that runs is stopped by it."""
 
-    def __init__(self, port, running):
+    def __init__(self, port):
         self.line, self.heard = self.connect(port), bytearray()
         self.line.settimeout(SLOW / 2)
         self.line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        if running:
-            self.answer()
 
     @staticmethod
     def connect(port):
@@ -60,7 +58,7 @@ class Debugger:
         return self.answer()
 
     def answer(self):
-        """The next packet, also of several that have come at once."""
+        """The next packet, also of several that have come at once; not that which some emulators send of the stop as we came (T02, SIGINT)."""
         while not (packet := re.search(rb"\$([^#]*)#..", self.heard)):
             got = self.line.recv(4096)
             if not got:
@@ -69,7 +67,7 @@ class Debugger:
         said = packet[1].decode()
         del self.heard[:packet.end()]
         self.line.sendall(b"+")
-        return said
+        return self.answer() if said.startswith("T02") else said
 
 
 def free_port():
@@ -123,7 +121,7 @@ def estimate(target, elf, strike=None):
     with concurrent.futures.ThreadPoolExecutor(1) as pool:
         said = pool.submit(run, words, [LINE], 120)
         if strike:
-            debugger = Debugger(port, running=False)
+            debugger = Debugger(port)
             debugger.ask("Z" + strike.stop)
             debugger.send("c")
             strike.wait(debugger)
@@ -139,7 +137,7 @@ def over_the_line(target, elf, strike, case, ask):
         board.set_case(**case)
         if not strike:
             return ask(board)
-        debugger = Debugger(port, running=True)
+        debugger = Debugger(port)                                     # which stops the program
         debugger.ask("Z" + strike.stop)
         debugger.send("c")
         with concurrent.futures.ThreadPoolExecutor(1) as pool:

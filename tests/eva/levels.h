@@ -139,7 +139,7 @@ void kelly_rare_look(kelly_rare *look, const kelly_rare_hint *hint, unsigned mod
 /*@ requires sized(look) && held(look) && look->count <= look->n && \valid(seen) && \separated(seen, look, look->samples + (0 .. look->n - 1));
     assigns *seen; */
 void kelly_rare_see(const kelly_rare *look, kelly_rare_seen *seen);
-/*@ requires \valid_read(rare) && \valid(out);
+/*@ requires \valid_read(rare) && rare->level < KELLY_RARE_LEVELS && \valid(out);
     assigns *out; */
 void kelly_rare_read(const kelly_rare *rare, kelly_rare_estimate *out);
 /*@ requires sized(rare) && held(rare) && \valid_read(hint) && \valid_read(hint->run) && \valid(most);

@@ -108,7 +108,7 @@ static void any_rare(void)
     rare.hint_level = Frama_C_float_interval(-1e9f, 1e9f);
     rare.guide = Frama_C_float_interval(0, ANY_FLOAT);
     rare.distinct = Frama_C_unsigned_int_interval(0, SAMPLES);
-    rare.finds = Frama_C_float_interval(0, 1e5f);
+    rare.finds = Frama_C_float_interval(0, 1e6f);
 }
 
 static void check(void)
@@ -116,7 +116,7 @@ static void check(void)
     //@ assert rare.level < KELLY_RARE_LEVELS;
     //@ assert rare.first + rare.count <= SAMPLES;
     //@ assert 0.02f <= rare.step <= 1;
-    //@ assert 0 <= rare.finds <= 1e5;
+    //@ assert 0 <= rare.finds <= 1e6;
     for (unsigned i = 0; i < KELLY_RARE_LEVELS; i++) {
         //@ assert rare.levels[i].inside <= SAMPLES;
         //@ assert 0 <= rare.levels[i].variance <= 1e9;
