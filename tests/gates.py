@@ -51,7 +51,7 @@ GATES = {
     "faults-inside": ("test", 600, "make -s unit && build/host/faults 3400"),
     "faults-inside-lanes": ("test", 900, f"make -s unit && {PYTHON} tests/check_faults.py float 200"),
     "fuzz-replay": ("test", 600, f"{PYTHON} tests/check_fuzz.py replay"),
-    "eva": ("prove", 1800, f"{PYTHON} tests/check_eva.py"),   # first: one thread, and the others fill what is left
+    "eva": ("prove", 2700, f"{PYTHON} tests/check_eva.py"),   # first: one thread, and the others fill what is left
     "fuzz": ("prove", 1200, f"{PYTHON} tests/check_fuzz.py 60"),
     "fuzz-long": ("campaign", 6000, f"{PYTHON} tests/check_fuzz.py 600"),
     "faults-inside-long": ("campaign", 900, "make -s unit && build/host/faults 20000"),
