@@ -93,8 +93,8 @@ FLAGS = {"step": "-include torque.h", "turns": "-include torque.h -DKELLY_VECTOR
 
 # name: (files, functions, options, options where a fault is planted): goals of WP, run-time errors included. Split: a branch of a loop's
 # body, a goal. Where a fault is planted a goal has as long as the sound program's goals do not take.
-SPLIT = "-wp-split -wp-timeout 40"
-INDICES = "-wp-split -wp-timeout 240 -wp-model Typed+real -warn-special-float none"
+SPLIT = "-wp-split -wp-timeout 240"
+INDICES = SPLIT + " -wp-model Typed+real -warn-special-float none"
 BY_EVA = " -wp-prop=-argument"
 WP = {
     "packing": (["firmware/link/frame"], "kelly_cobs", SPLIT, SPLIT + " -wp-prop packed -wp-timeout 10"),
