@@ -49,12 +49,12 @@ static void begin(const kelly_table *table, const kelly_case *run, unsigned lane
 
 static void classify(const kelly_table *table, const kelly_case *run, unsigned lane, kelly_result *result, kelly_work *work)
 {
-    const real seconds = kelly_step_seconds(run) * (real)(run->window_last - run->window_first);
+    const uint32_t steps = run->window_last - run->window_first;   /* 0: of a case that nobody has checked */
 
     if (result->status != KELLY_OK) {
         return;
     }
-    if (!sane(run, lane, work)) {
+    if (steps == 0 || !sane(run, lane, work)) {
         result->status = KELLY_NONFINITE;
         result->mean = 0;
         return;
@@ -64,7 +64,7 @@ static void classify(const kelly_table *table, const kelly_case *run, unsigned l
     } else {
         kelly_block_extremes(&work->block, lane, &result->lowest, &result->highest);
     }
-    result->mean = result->draw.w0 + (twist(table, run, lane, result, work) - result->mean) / seconds;
+    result->mean = result->draw.w0 + (twist(table, run, lane, result, work) - result->mean) / (kelly_step_seconds(run) * (real)steps);
     result->ss = kelly_severity(result->lowest, result->highest);
     result->stuck = result->ss > run->limit;
 }

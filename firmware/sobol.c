@@ -9,11 +9,12 @@
  * x = 1e-30 on; 0 where x is not positive. */
 static wide root(wide x)
 {
-    wide r = 1 + x;
+    wide r;
 
     if (!(x > 0)) {
         return 0;
     }
+    r = 1 + x;                   /* halved at most in every step: never 0 */
     for (int i = 0; i < 60; i++) {
         r = W(0.5) * (r + x / r);
     }

@@ -7,6 +7,7 @@
  * Refused realisations have no response and are left out of sum and n.
  */
 #include <math.h>
+#include <string.h>
 
 #include "host.h"
 #include "journal.h"
@@ -128,6 +129,15 @@ static void take_batch(void *context, uint32_t first, uint32_t count, const void
     }
 }
 
+/* A response as the journal has it: of a sum of squares, or of a realisation that was refused. */
+static int response_sound(const void *payload, size_t size)
+{
+    double x;
+
+    memcpy(&x, payload, size);
+    return isnan(x) || (isfinite(x) && x >= 0);
+}
+
 void convergence_run(const options *opts, const char *beside, journal *log, convergence_table *table)
 {
     fold f = { .table = table };
@@ -136,7 +146,7 @@ void convergence_run(const options *opts, const char *beside, journal *log, conv
     snprintf(path, sizeof(path), "%s.convergence", beside ? beside : "");
     *table = (convergence_table){ 0 };
     job_log(log, opts, beside ? path : 0, &(journal_run){ .kind = "convergence", .parameters = opts->out_ticks ^ (uint32_t)opts->run.axial << 24,
-            .records = opts->samples, .payload = sizeof(double), .in_order = 1 });
+            .records = opts->samples, .payload = sizeof(double), .in_order = 1, .sound = response_sound });
     run_job(opts, &(job){ .work = work_piece, .work_size = sizeof(scratch), .result_size = sizeof(double), .width = 1, .lanes = 4,
                         .log = log }, take_batch, &f);
     report(&f);

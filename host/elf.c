@@ -7,7 +7,7 @@
 #include "elf.h"
 #include "host.h"
 
-#define FILE_MOST (64u << 20)     /* debug information included */
+#define FILE_MOST (64l << 20)     /* debug information included */
 #define IMAGE_MOST (16u << 20)    /* more than any of these parts has */
 
 typedef struct {
@@ -68,12 +68,19 @@ static int segment_at(const elf_file *f, unsigned i, segment *s)
 static uint8_t *read_whole(const char *path, size_t *size)
 {
     FILE *const file = fopen(path, "rb");
-    uint8_t *bytes = malloc(FILE_MOST);
+    const long length = file && fseek(file, 0, SEEK_END) == 0 ? ftell(file) : -1;
+    const size_t room = length > FILE_MOST ? FILE_MOST : (size_t)length;     /* of a directory there is no end */
+    uint8_t *bytes;
 
-    if (!file || !bytes) {
+    if (length < 0) {
         die(EXIT_USAGE, "--image %s: cannot be read: %s", path, strerror(errno));
     }
-    *size = fread(bytes, 1, FILE_MOST, file);
+    bytes = malloc(room + 1);
+    if (!bytes) {
+        die(EXIT_FAILED, "--image %s: no memory for its %zu bytes", path, room);
+    }
+    rewind(file);
+    *size = fread(bytes, 1, room, file);
     (void)fclose(file);
     if (*size < 52 || memcmp(bytes, "\177ELF", 4) != 0 || (bytes[4] != 1 && bytes[4] != 2) || bytes[5] != 1) {
         die(EXIT_USAGE, "--image %s: not an ELF of a board; give the .elf that make TARGET=NAME wrote", path);

@@ -18,7 +18,7 @@ CORPUS = os.path.join(ROOT, "tests", "fuzz", "corpus")
 FOUND = os.path.join(ROOT, "build", "fuzz", "found")
 # name: what it tries
 FUZZERS = {"frame": "frames and messages", "console": "device program, console and requests", "wits": "WITS frames written", "journal": "journal",
-           "stored": "CSV and JSON of a run", "options": "command line", "frame-double": "frames and messages, double"}
+           "stored": "CSV and JSON of a run", "options": "command line", "elf": "ELF of a board", "frame-double": "frames and messages, double"}
 TEXT = "well files and WITS read (Python)"
 COMMON = ["-detect_leaks=0", "-rss_limit_mb=1024", "-timeout=60", "-max_len=1024"]
 

@@ -292,7 +292,7 @@ def check_order(folder):
 
 def check_commands(folder):
     """All commands that keep a journal: killed within the first and last calls, and every sixth between; each goes on. What ran once is no part of
-    a run with --twice, and a record that cannot be, with its right CRC, is run again (a time of --convergence can be anything)."""
+    a run with --twice, and a record that cannot be, with its right CRC, is run again."""
     done = 0
     for name, run, outputs in (
             ("sensitivity", f"sensitivity {CASE} --samples 70 --threads 2 --engine scalar", ("json",)),
@@ -329,14 +329,13 @@ def check_commands(folder):
         write(name_of, journal)
         other = kelly(args + " --twice --resume")
         claim(other.returncode == 2 and "with --twice and without" in other.stderr and read(name_of) == journal, f"{name}, --twice: {other.returncode}, {other.stderr!r}")
-        if name != "convergence":
-            for value in (b"\xff", b"\x02"):
-                number, size = journal[HEADER:HEADER + 4], struct.unpack("<I", journal[16:20])[0]
-                bad = number + value * size
-                place.empty()
-                write(name_of, journal[:HEADER] + bad + struct.pack("<I", crc32c(bad)) + journal[HEADER + size + 8:])
-                again = kelly(args + " --resume")
-                claim(again.returncode == 0 and "torn" in again.stderr and results() == want, f"{name}, a record of {value}: {again.returncode}, {again.stderr!r}")
+        size = struct.unpack("<I", journal[16:20])[0]
+        for value in (struct.pack("<d", -1), struct.pack("<d", math.inf)) if name == "convergence" else (b"\xff" * size, b"\x02" * size):
+            bad = journal[HEADER:HEADER + 4] + value
+            place.empty()
+            write(name_of, journal[:HEADER] + bad + struct.pack("<I", crc32c(bad)) + journal[HEADER + size + 8:])
+            again = kelly(args + " --resume")
+            claim(again.returncode == 0 and "torn" in again.stderr and results() == want, f"{name}, a record of {value[:8]}: {again.returncode}, {again.stderr!r}")
     FIGURES["aborts of sensitivity, --until-width, --convergence, --envelope and --traces, advise, rare and map, survived"] = done
 
 

@@ -80,6 +80,7 @@ GATES = {
     "mutants": ("prove", 1500, f"nice -n 10 {PYTHON} tests/mutate.py --mutants 60 --quick"),
     "all-mutants": ("campaign", 36000, f"nice -n 10 {PYTHON} tests/mutate.py --mutants 300"),
     "eva-double": ("campaign", 3000, f"{PYTHON} tests/check_eva.py --double"),
+    "eva-weights": ("campaign", 3000, f"{PYTHON} tests/check_eva.py --weights"),
 }
 GROUPS = ("test", "prove", "campaign")
 FIGURE = re.compile(r"figure: ([^|:]+): ([^|]+)")

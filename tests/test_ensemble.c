@@ -140,6 +140,10 @@ static void refuses_without_guessing(void)
     run.f0 = (real)BY_REAL(-1e30, -1e300);                 /* overflows in (B); kelly_case_error would not let it pass */
     run_into(results, 1, 0, 1);
     expect_refused(&results[0], KELLY_NONFINITE);
+    random_case(20);
+    run.window_first = run.window_last;                    /* no time to take a mean of; kelly_case_error would not let it pass */
+    run_into(results, 1, 0, 1);
+    expect_refused(&results[0], KELLY_NONFINITE);
 }
 
 static void expect_corrupt(kelly_result *r)

@@ -91,20 +91,4 @@ void board_write(uint8_t byte);
 /*@ assigns \nothing; */
 int board_ready(void);
 
-#ifdef EVA_ROOT
-/* Assumed, of sobol.c: Newton's method from above falls from 1 + x. Intervals do not see that x / r falls as long as r lies above. */
-/*@ requires x <= 1e190;
-    assigns \result \from x;
-    ensures \is_finite(\result) && 0 <= \result <= 1e190; */
-static wide root(wide x);
-#endif
-
-#ifdef EVA_FRACTION
-/* Assumed, of interval.c: what front * fraction is, a probability, and front bound it; no more than some sqrt(n). */
-/*@ requires \is_finite(a) && \is_finite(b) && \is_finite(x) && 1 <= a <= 4.3e9 && 1 <= b <= 4.3e9 && 0 <= x <= 1;
-    assigns \result \from a, b, x;
-    ensures \is_finite(\result) && 0 <= \result <= 1e12; */
-static wide fraction(wide a, wide b, wide x);
-#endif
-
 #endif

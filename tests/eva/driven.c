@@ -83,8 +83,8 @@ int main(void)
 
     //@ loop unroll 20;
     for (unsigned k = 0; k < 20; k++) {                        /* 1 us .. 1.05 s, each to twice as long */
-        step(h, R(8.0));
-        step(h, LARGEST_M);
+        step(h, (real)LEAST_M);
+        step(h, (real)LARGEST_M);
         h *= 2;
     }
     return 0;

@@ -1,5 +1,4 @@
 /* sobol.h: any case, any number of rows up to 2^24, any values up to 1e12; sums of which each is what such rows can have made it. */
-#define EVA_ROOT
 #include "contracts.h"
 #include "../../firmware/sobol.c"
 

@@ -1,5 +1,4 @@
 /* tally.h: intervals of any counts, even such as cannot be, with any tails; what Stirling's formula leaves of any size. */
-#define EVA_FRACTION
 #include "contracts.h"
 #include "../../firmware/interval.c"
 

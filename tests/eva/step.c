@@ -16,7 +16,7 @@ static kelly_modes modes;
 
 /* |2 mu f| is at most F = m / 13.5, so that m bounds what intervals make of the weight between two ticks. The lever of a torque is
  * h/2 (sum of b^2), and F > m / 27: h 2 mu f (sum of b^2) <= 2 2.785 (kelly_realise) leaves a lever of 76 / m. Slices of m go by
- * powers of 2, of which all that follows has as many: the ends stand for those between. Of the lightest, h (sum of b^2) <= 2. */
+ * powers of 2. Of the lightest, h (sum of b^2) <= 2. */
 static real lever_of(real m)
 {
     return R(76.0) / m < R(1.0) ? R(76.0) / m : R(1.0);
@@ -110,10 +110,10 @@ static void step(unsigned full, real m, real a)
 
 static void at_exact_phase(void)
 {
-    any_block(1, LARGEST_M, R(1.0));
+    any_block(1, (real)LARGEST_M, R(1.0));
     block.tick = KELLY_RESYNC * Frama_C_unsigned_int_interval(0, UINT32_MAX / KELLY_RESYNC);
     kelly_block_advance(&block, 1);
-    any_block(1, LARGEST_M, R(1.0));
+    any_block(1, (real)LARGEST_M, R(1.0));
     kelly_block_resync(&block, 0);
     //@ assert \is_finite(block.lane[0].wave) && -2e12 <= block.lane[0].wave <= 2e12;
     //@ assert \is_finite(block.lane[0].dwave) && -4e12 <= block.lane[0].dwave <= 4e12;
@@ -137,11 +137,11 @@ int main(void)
 
     //@ loop unroll 9;
     for (unsigned j = 0; j < (KELLY_VECTORS > 1 ? 1 : SLICES_A); j++) {
-        step(1, LEAST_M, a);
-        step(1, LARGEST_M, a);
+        step(1, (real)LEAST_M, a);
+        step(1, (real)LARGEST_M, a);
         if (sizeof(real) == sizeof(float)) {
-            step(0, LEAST_M, a);
-            step(0, LARGEST_M, a);
+            step(0, (real)LEAST_M, a);
+            step(0, (real)LARGEST_M, a);
         }
         a *= 20;
     }

@@ -1,34 +1,35 @@
 /* What torque.h says of kelly_bit_torque_folded, over all that it requires, in slices of its sizes. */
-#include "bitrock.h"
+#define EVA_TORQUE
+#include "torque.h"
 
 /* The other form; a2 of 1.8e7 down to 1e-4. */
 static void unfolded(real w, real a2)
 {
     const real a1 = any_real(0, R(1000.0));
-    real t = kelly_bit_torque(w, any_real(R(-8.0), 0), a1, a2);
+    real t = kelly_bit_torque(w, any_real(-(real)LEAST_M, 0), a1, a2);
 
-    //@ assert -2.08e6 <= t <= 2.08e6;
-    t = kelly_bit_torque(-w, any_real(R(-8.0), 0), a1, a2);
-    //@ assert -2.08e6 <= t <= 2.08e6;
-    t = kelly_bit_torque(w, any_real(R(-134217728.0), 0), a1, a2);
-    //@ assert -3.4e13 <= t <= 3.4e13;
-    t = kelly_bit_torque(-w, any_real(R(-134217728.0), 0), a1, a2);
-    //@ assert -3.4e13 <= t <= 3.4e13;
+    //@ assert -2.6e5 * LEAST_M <= t <= 2.6e5 * LEAST_M;
+    t = kelly_bit_torque(-w, any_real(-(real)LEAST_M, 0), a1, a2);
+    //@ assert -2.6e5 * LEAST_M <= t <= 2.6e5 * LEAST_M;
+    t = kelly_bit_torque(w, any_real(-(real)LARGEST_M, 0), a1, a2);
+    //@ assert -2.6e5 * LARGEST_M <= t <= 2.6e5 * LARGEST_M;
+    t = kelly_bit_torque(-w, any_real(-(real)LARGEST_M, 0), a1, a2);
+    //@ assert -2.6e5 * LARGEST_M <= t <= 2.6e5 * LARGEST_M;
 }
 
 static void slice(float w_low, float w_high, float inverse)
 {
     const real inverses = any_real(inverse, 4 * inverse), ratio = any_real(0, 4.52e5f * sqrtf(inverse));
     const real w = any_real(w_low, w_high);
-    real t = kelly_bit_torque_folded(w, any_real(R(-8.0), 0), ratio, inverses);
+    real t = kelly_bit_torque_folded(w, any_real(-(real)LEAST_M, 0), ratio, inverses);
 
-    //@ assert -8e6 <= t <= 8e6;
-    t = kelly_bit_torque_folded(-w, any_real(R(-8.0), 0), ratio, inverses);
-    //@ assert -8e6 <= t <= 8e6;
-    t = kelly_bit_torque_folded(w, any_real(R(-134217728.0), 0), ratio, inverses);
-    //@ assert -1.35e14 <= t <= 1.35e14;
-    t = kelly_bit_torque_folded(-w, any_real(R(-134217728.0), 0), ratio, inverses);
-    //@ assert -1.35e14 <= t <= 1.35e14;
+    //@ assert -1e6 * LEAST_M <= t <= 1e6 * LEAST_M;
+    t = kelly_bit_torque_folded(-w, any_real(-(real)LEAST_M, 0), ratio, inverses);
+    //@ assert -1e6 * LEAST_M <= t <= 1e6 * LEAST_M;
+    t = kelly_bit_torque_folded(w, any_real(-(real)LARGEST_M, 0), ratio, inverses);
+    //@ assert -1.0058e6 * LARGEST_M <= t <= 1.0058e6 * LARGEST_M;
+    t = kelly_bit_torque_folded(-w, any_real(-(real)LARGEST_M, 0), ratio, inverses);
+    //@ assert -1.0058e6 * LARGEST_M <= t <= 1.0058e6 * LARGEST_M;
     if (w_high <= 8e6f && inverse >= 1.3e-8f && inverse <= 1.1e4f) {
         unfolded(w, any_real(1 / (4 * inverse), 1 / inverse));
     }
