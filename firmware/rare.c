@@ -447,7 +447,8 @@ const char *kelly_rare_start(kelly_rare *rare, const float cov[KELLY_PARAMETERS]
     rare->samples = samples;
     rare->keys = keys;
     rare->level = 0;                                       /* WP cannot look into the literal */
-    //@ assert begun: rare->n == n && rare->chains == n / KELLY_RARE_STATES && rare->samples == samples && rare->keys == keys && rare->level == 0;
+    rare->leads = 0;
+    //@ assert begun: rare->n == n && rare->chains == n / KELLY_RARE_STATES && rare->samples == samples && rare->keys == keys && rare->level == 0 && rare->leads == 0;
     /*@ loop invariant k <= KELLY_PARAMETERS;
         loop assigns k, rare->cov[0 .. KELLY_PARAMETERS - 1]; */
     for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {

@@ -31,6 +31,7 @@ void kelly_rare_look(kelly_rare *look, const kelly_rare_hint *hint, unsigned mod
     uint32_t found = 0, kept = 0, every;
 
     /*@ loop invariant look->n == \at(look->n, Pre) && look->chains == \at(look->chains, Pre) && look->level < KELLY_RARE_LEVELS;
+        loop invariant look->leads != 0 ==> \valid_read(look->hint);
         loop invariant look->samples == \at(look->samples, Pre) && look->keys == \at(look->keys, Pre);
         loop invariant look->count > 0 ==> look->first + look->count <= look->n;
         loop invariant look->count > 0 && look->level > 0 ==> look->first >= look->chains && look->quarter < 4 && 1 <= look->at < KELLY_RARE_STATES;

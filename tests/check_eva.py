@@ -104,7 +104,7 @@ WP = {
     "heap": (["firmware/rare"], "sink,heap,pop", SPLIT, SPLIT + " -wp-timeout 5"),
     "ring": (["firmware/app/out"], "send_one,out_defer,out_pump,out_room,out_byte", "-wp-timeout 40", "-wp-timeout 10"),
     "level": (["firmware/rare"], "kth_guide,count_different,know_failures,inside,count_pairs,measure,choose_seeds,key_move,is_led,propose,draw_all,"
-              "descend,settle,kelly_rare_failed,kelly_rare_count,kelly_rare_start", INDICES + BY_EVA, INDICES + " -wp-prop span -wp-timeout 10"),
+              "descend,settle,kelly_rare_failed,kelly_rare_count,kelly_rare_start,kelly_rare_lead", INDICES + BY_EVA, INDICES + " -wp-prop span,hinted -wp-timeout 10"),
     "next level": (["firmware/rare"], "now,adapt,judge,judge_failures,end_level,next_level,kelly_rare_accept", INDICES + BY_EVA,
                    INDICES + " -wp-prop turn -wp-timeout 15"),
     "seeds": (["firmware/rare_walk"], "kelly_rare_aim", INDICES + BY_EVA, INDICES + " -wp-timeout 10"),
@@ -126,8 +126,8 @@ ASSUMED = [
     "plant.h: mu within 3 m, f0 within 5e5 N; readings of a sane string, speeds within 1e6 rad/s, modal values within 1e15",
     "ensemble.h: propagators are stubs there",
     "tally.h: the continued fraction of the incomplete beta function, times a probability a probability, stays within 1e12 (admitted in interval.c)",
-    "rare.h: memory and indices are proved for a level of any size (WP, floats as reals; not that a loop ends, nor, of a hint, that it is there while it "
-    "leads), values for one of 40 samples (a look's of 4), as sums over 1000000 stay within 1e17; tests/eva/levels.h is taken at its word of "
+    "rare.h: memory and indices are proved for a level of any size (WP, floats as reals; not that a loop ends), "
+    "values for one of 40 samples (a look's of 4), as sums over 1000000 stay within 1e17; tests/eva/levels.h is taken at its word of "
     "kelly_rare_move, kelly_rare_guess, kelly_rare_resonance, kelly_rare_product, kelly_rare_read, kelly_rng_key, kelly_gamma_normal, kelly_splitmix64; a walk stays within |x| of 1000, as "
     "9.3 sqrt(1 + moves) is all that 11 levels of 9 led moves of 8 steps make; hints within 1e6, a level of them within 1e9, variances of a level within 1e9",
     "rare.h: speeds of 0.01 rad/s and more, 10 torsional modes, under a guide or hint that lies within the ranges of string_model.h",
@@ -142,6 +142,7 @@ PLANTED = {
     "a byte in another's place": ("ring", "firmware/app/out.c", "ring[(oldest + waiting) % OUT_RING] = byte;", "ring[waiting % OUT_RING] = byte;"),
     "a child beyond the heap": ("heap", "firmware/rare.c", "child + 1 < n && keys[child + 1]", "child + 1 <= n && keys[child + 1]"),
     "a chain beyond the last": ("level", "firmware/rare.c", "rare->at * rare->chains + from;", "rare->at * rare->chains + from + 1;"),
+    "a hint that nobody gave": ("level", "firmware/rare.c", "return rare->leads && rare->at", "return rare->at"),
     "a seed beyond the front": ("look at a mode", "firmware/rare_look.c", "i < look->n && kept < most", "i <= look->n && kept < most"),
     "a state beyond the last": ("next level", "firmware/rare.c", "rare->at + 1 < KELLY_RARE_STATES", "rare->at < KELLY_RARE_STATES"),
     "seeds beyond the samples": ("seeds", "firmware/rare_walk.c", "i < rare->chains; i++", "i <= rare->n; i++"),

@@ -7,8 +7,9 @@
 
 /*@ predicate sized(kelly_rare *r) = KELLY_RARE_MIN <= r->n <= KELLY_RARE_MAX && r->n % 40 == 0 && 10 * r->chains == r->n && r->chains % 4 == 0 &&
       r->level < KELLY_RARE_LEVELS;
+    predicate hinted(kelly_rare *r) = r->leads != 0 ==> \valid_read(r->hint);
     predicate held(kelly_rare *r) = \valid(r) && \valid(r->samples + (0 .. r->n - 1)) && \valid(r->keys + (0 .. r->n - 1)) &&
-      \separated(r, r->samples + (0 .. r->n - 1), r->keys + (0 .. r->n - 1));
+      \separated(r, r->samples + (0 .. r->n - 1), r->keys + (0 .. r->n - 1)) && hinted(r);
     predicate span(kelly_rare *r) = r->first + r->count <= r->n && (r->level > 0 ==> r->first >= r->chains);
     predicate turn(kelly_rare *r) = r->quarter < 4 && 1 <= r->at < KELLY_RARE_STATES;
     predicate ready(kelly_rare *r) = span(r) && (r->level > 0 ==> turn(r));
@@ -35,8 +36,13 @@ static uint32_t count_pairs(const kelly_rare *rare, uint32_t lag, float guide);
     ensures \result == &rare->levels[rare->level]; */
 static kelly_rare_level *now(kelly_rare *rare);
 /*@ requires \valid_read(rare);
-    assigns \nothing; */
+    assigns \nothing;
+    ensures hinted: \result != 0 ==> rare->leads != 0; */
 static int is_led(const kelly_rare *rare);
+/*@ requires sized(rare) && held(rare) && \valid_read(hint);
+    assigns rare->hint, rare->leads;
+    ensures held(rare); */
+void kelly_rare_lead(kelly_rare *rare, const kelly_rare_hint *hint);
 /*@ requires sized(rare) && held(rare);
     assigns rare->samples[0 .. rare->n - 1]; */
 static void choose_seeds(kelly_rare *rare, float guide);
@@ -44,8 +50,8 @@ static void choose_seeds(kelly_rare *rare, float guide);
     assigns *rng; */
 static void key_move(const kelly_rare *rare, uint32_t chain, kelly_rng *rng);
 /*@ requires \valid_read(rare) && \valid(rng) && \valid_read(old + (0 .. 4)) && \valid(next + (0 .. 4));
-    assigns *rng, next[0 .. 4];
-*/
+    requires hinted: led != 0 ==> \valid_read(rare->hint);
+    assigns *rng, next[0 .. 4]; */
 int kelly_rare_move(const kelly_rare *rare, kelly_rng *rng, int led, const float old[KELLY_PARAMETERS], float next[KELLY_PARAMETERS]);
 /*@ requires \valid(rng);
     assigns *rng; */
@@ -86,7 +92,8 @@ static void know_failures(kelly_rare *rare);
     assigns rare->levels[0 .. KELLY_RARE_LEVELS - 1]; */
 static void measure(kelly_rare *rare, float guide);
 /*@ requires sized(rare) && held(rare);
-    assigns rare->levels[0 .. KELLY_RARE_LEVELS - 1], rare->straight, rare->straight_accepted, rare->leads, rare->step; */
+    assigns rare->levels[0 .. KELLY_RARE_LEVELS - 1], rare->straight, rare->straight_accepted, rare->leads, rare->step;
+    ensures held(rare); */
 static void adapt(kelly_rare *rare);
 /*@ requires sized(rare) && held(rare);
     assigns \nothing; */
@@ -102,7 +109,7 @@ wide kelly_rare_product(const kelly_rare *rare);
     assigns rare->keys[0 .. rare->n - 1], rare->distinct, rare->finds, rare->levels[0 .. KELLY_RARE_LEVELS - 1];
     ensures \result == KELLY_RARE_RUNNING ==> rare->level + 1 < KELLY_RARE_LEVELS; */
 static kelly_rare_state end_level(kelly_rare *rare);
-/*@ requires sized(rare) && held(rare);
+/*@ requires sized(rare) && held(rare) && rare->leads != 0;
     assigns rare->hint_level; */
 void kelly_rare_aim(kelly_rare *rare);
 /*@ requires sized(rare) && held(rare);
@@ -119,10 +126,10 @@ void kelly_rare_accept(kelly_rare *rare);
     assigns \nothing;
     ensures \result == rare->count; */
 uint32_t kelly_rare_count(const kelly_rare *rare);
-/*@ requires \valid_read(x + (0 .. 4));
+/*@ requires \valid_read(x + (0 .. 4)) && \valid_read(hint);
     assigns \nothing; */
 float kelly_rare_resonance(const kelly_rare_hint *hint, const float x[KELLY_PARAMETERS], unsigned mode);
-/*@ requires \valid_read(x + (0 .. 4));
+/*@ requires \valid_read(x + (0 .. 4)) && \valid_read(hint);
     assigns \nothing; */
 float kelly_rare_guess(const kelly_rare_hint *hint, const float x[KELLY_PARAMETERS]);
 /*@ requires \valid_read(hint) && \valid_read(hint->run);
