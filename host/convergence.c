@@ -129,13 +129,14 @@ static void take_batch(void *context, uint32_t first, uint32_t count, const void
     }
 }
 
-/* A response as the journal has it: of a sum of squares, or of a realisation that was refused. */
+/* A response as the journal has it: a sum of squares, or that of a realisation that was refused, to the bit. */
 static int response_sound(const void *payload, size_t size)
 {
+    const double refused = (double)NAN;
     double x;
 
     memcpy(&x, payload, size);
-    return isnan(x) || (isfinite(x) && x >= 0);
+    return isnan(x) ? memcmp(&x, &refused, size) == 0 : isfinite(x) && x >= 0;
 }
 
 void convergence_run(const options *opts, const char *beside, journal *log, convergence_table *table)

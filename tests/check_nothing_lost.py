@@ -330,7 +330,7 @@ def check_commands(folder):
         other = kelly(args + " --twice --resume")
         claim(other.returncode == 2 and "with --twice and without" in other.stderr and read(name_of) == journal, f"{name}, --twice: {other.returncode}, {other.stderr!r}")
         size = struct.unpack("<I", journal[16:20])[0]
-        for value in (struct.pack("<d", -1), struct.pack("<d", math.inf)) if name == "convergence" else (b"\xff" * size, b"\x02" * size):
+        for value in (b"\xff" * size, struct.pack("<d", -1), struct.pack("<d", math.inf)) if name == "convergence" else (b"\xff" * size, b"\x02" * size):
             bad = journal[HEADER:HEADER + 4] + value
             place.empty()
             write(name_of, journal[:HEADER] + bad + struct.pack("<I", crc32c(bad)) + journal[HEADER + size + 8:])
