@@ -58,7 +58,7 @@ static wide above_zero(wide x)
 }
 
 /* Continued fraction of I_x(a, b) without its front factor, for x < (a + 1) / (a + b + 2), where all that is divided by is above 0 but
- * for rounding. It times the front factor is a probability: it stays below some sqrt(a + b). */
+ * for rounding. It times the front factor is a probability: it stays below a + b. */
 static wide fraction(wide a, wide b, wide x)
 {
     wide c = 1, d = 1 / above_zero(1 - (a + b) * x / (a + 1)), f = d;

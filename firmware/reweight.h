@@ -55,7 +55,7 @@ kelly_law_fit kelly_law_fits(const kelly_laws *from, const kelly_laws *to, unsig
 /* From laws that fit. */
 void kelly_reweight_start(kelly_reweight *sums, const kelly_laws *from, const kelly_laws *to);
 
-/* A realisation with parameters y > 0; status as in kelly_result. */
+/* A realisation with parameters y, 1e-36 .. 1e36; status as in kelly_result. */
 void kelly_reweight_add(kelly_reweight *sums, const wide y[KELLY_PARAMETERS], int status, int stuck);
 
 void kelly_reweight_read(const kelly_reweight *sums, kelly_reweighted *result);

@@ -31,13 +31,13 @@ typedef struct {
 
 /* What is run: one operating point, its uncertainty and its time grid. All times are whole steps.
  *
- * Overflow, in float, with the modes of the committed table. In range are draws with mu (fc + f0) <= 5e6 N m (under a soft drive or a
- * commanded top 2e6 each of mu fc and mu f0), mu <= 1800 (plant.h: 3), a1 <= 1000, 1e-4 <= a2 <= 1.8e7, w0 <= 1e4, and steps of 2 beta
- * and more. For them tests/eva proves, piece by piece, that no operation gives an infinity or a NaN: checking the draw, setting up, one
- * step from any state within the bounds of its driver, and every reading of a state that is sane; at the sizes that tests/check_eva.py
- * lists, which stand for those between. Not proved is that step after step stays within those bounds, which is the stability of RK4: it
- * is looked at when a run ends. Beyond these ranges no operation is promised to stay finite: a bound of the step that does not is
- * refused as `step`, and a state that is not finite when the run ends is `nonfinite`. */
+ * Overflow, in float, with the modes of the committed table. In range are draws with fc and f0 <= 1e9 N, mu (fc + f0) <= 5e6 N m (under a
+ * soft drive or a commanded top 2e6 each of mu fc and mu f0), mu <= 1800 (plant.h: 3), a1 <= 1000, 1e-4 <= a2 <= 1.8e7, w0 <= 1e4, and
+ * steps of 2 beta and more. For them tests/eva proves, piece by piece, that no operation gives an infinity or a NaN: checking the draw,
+ * setting up, one step from any state within the bounds of its driver, and every reading of a state that is sane. Not proved is that step
+ * after step stays within those bounds, which is the stability of RK4: it is looked at when a run ends. Beyond these ranges no operation
+ * is promised to stay finite: a bound of the step that does not is refused as `step`, and a state that is not finite when the run ends is
+ * `nonfinite`. */
 typedef struct {
     real fc;                      /* mean weight on bit |f_c| [N], > 0 */
     real mu;                      /* mean bit-rock factor [m], > 0 */

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """No run-time error, proved: Frama-C's Eva over the kernel, the samplers, the codecs and the device program, and WP where Eva cannot see.
 
-usage: [EVA_JOBS=2] tests/check_eva.py [--double|--weights] [DRIVER...]
+usage: [EVA_JOBS=2] tests/check_eva.py [--double] [--weights] [DRIVER...]
 
 Each driver of tests/eva calls public functions with inputs that stand for every value of their documented ranges. A claim is
 that nothing is open: no alarm (memory, overflow, shift, division, uninitialised value, non-finite float), no contract in doubt. Every function of the
@@ -20,7 +20,7 @@ sys.dont_write_bytecode = True
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 EVA = os.path.join(ROOT, "tests", "eva")
 DOUBLE, WEIGHTS = "--double" in sys.argv[1:], "--weights" in sys.argv[1:]
-OUT = os.path.join(ROOT, "build", "eva-double" if DOUBLE else "eva-weights" if WEIGHTS else "eva")
+OUT = os.path.join(ROOT, "build", "eva" + "-weights" * WEIGHTS + "-double" * DOUBLE)
 JOBS = int(os.environ.get("EVA_JOBS", "1"))     # drivers at a time
 
 LINK = "link/crc32c link/frame link/keys link/messages link/wits link/fields".split()
@@ -40,7 +40,7 @@ DRIVERS = {
     "turns": (["integrator", "block", "detmath"], f"-eva-precision 0 -eva-slevel 20 -eva-auto-loop-unroll 24 -eva-use-spec {TORQUE},kelly_sin_turn"),
     "driven": (["drive", "detmath"], f"-eva-precision 1 -eva-slevel 30 -eva-auto-loop-unroll 24 -eva-use-spec {UNFOLDED},kelly_sin_turn"),
     "load": (MODEL + ["block", "drive_block", "drive", "integrator", "seal"],
-             "-eva-precision 0 -eva-slevel 6 -eva-min-loop-unroll 10 -eva-split-return full -eva-use-spec kelly_sin_turn,kelly_phase_step,kelly_block_resync"),
+             "-eva-precision 0 -eva-slevel 6 -eva-min-loop-unroll 20 -eva-split-return full -eva-use-spec kelly_sin_turn,kelly_phase_step,kelly_block_resync"),
     "strings": (MODEL + ["axial", "random"],
                 "-eva-precision 1 -eva-slevel 30 -eva-auto-loop-unroll 24 -eva-slevel-function crc_of:400,crc_reals:400 "
                 "-eva-split-return full -eva-use-spec kelly_normal,kelly_sin_turn,kelly_crc32c"),
@@ -121,16 +121,16 @@ ASSUMED = [
     "draws within what string_model.h says of mu (fc + f0), a1, a2, w0; h w0 within 2.8 rad a step (kelly_realise)",
     "a step starts from a state within bounds: stages up to 1e7 rad/s, and a lever h/2 (sum of b^2) that fits the weight as "
     "kelly_realise has it; that RK4 stays within them is its stability, and is checked at run time (kelly_block_sane)",
-    "steps of 2 beta and more; weights between a lightest and a heaviest slice are left to --weights",
+    "steps of 2 beta and more; weights between a lightest and a heaviest slice are left to --weights; of four vectors one slice of a2",
     "under a soft drive or a commanded top: what a step moves belongs together as tests/eva/driven.c has it (kelly_realise)",
-    "plant.h: mu within 3 m, f0 within 5e5 N; readings of a sane string, speeds within 1e6 rad/s, modal values within 1e15",
+    "plant.h: mu within 3 m, f0 within 5e5 N; readings of a sane string, speeds within 1e6 rad/s, modal values within 1e15; 1, 2 and all modes stand for the numbers between",
     "ensemble.h: propagators are stubs there",
     "tally.h: the continued fraction of the incomplete beta function, times a probability a probability, stays within 1e12 (admitted in interval.c)",
     "rare.h: memory and indices are proved for a level of any size (WP, floats as reals; not that a loop ends), "
     "values for one of 40 samples (a look's of 4), as sums over 1000000 stay within 1e17; tests/eva/levels.h is taken at its word of "
     "kelly_rare_move, kelly_rare_guess, kelly_rare_resonance, kelly_rare_product, kelly_rare_read, kelly_rng_key, kelly_gamma_normal, kelly_splitmix64; a walk stays within |x| of 1000, as "
     "9.3 sqrt(1 + moves) is all that 11 levels of 9 led moves of 8 steps make; hints within 1e6, a level of them within 1e9, variances of a level within 1e9",
-    "rare.h: speeds of 0.01 rad/s and more, 10 torsional modes, under a guide or hint that lies within the ranges of string_model.h",
+    "rare.h: speeds of 0.01 rad/s and more, under a guide or hint that lies within the ranges of string_model.h",
     "link.h, wits.h: numbers within 1e30; sobol.h: values within 1e12",
     "a board's line has 80 bytes; its keys have 1 to 7 characters",
     "host programs are not analysed: their parsers (options, journal, stored runs) are fuzzed",
@@ -342,12 +342,13 @@ def main():
     if shutil.which("why3"):
         subprocess.run(["why3", "config", "detect"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
     coverage, alarms, valid = prove(runs)
-    if DOUBLE:
+    if WEIGHTS:
+        what = f"figure: proof by Eva{' in double' * DOUBLE}, slices of the weight between those of the other run"
+        print(f"{what}, alarms with -warn-special-float non-finite: {alarms}")
+        print(f"{what}, properties proved by {len(runs)} runs: {valid}")
+    elif DOUBLE:
         print(f"figure: proof by Eva in double, alarms with -warn-special-float non-finite: {alarms}")
         print(f"figure: proof by Eva in double, properties proved by {len(runs)} of {len(DRIVERS)} drivers: {valid}")
-    elif WEIGHTS:
-        print(f"figure: proof by Eva, slices of the weight between those of the other runs, alarms with -warn-special-float non-finite: {alarms}")
-        print(f"figure: proof by Eva, slices of the weight between those of the other runs, properties proved by {len(runs)} runs: {valid}")
     elif not only:
         proved, goals = prove_contracts(coverage)
         reached, statements = cover(coverage)

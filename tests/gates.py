@@ -81,6 +81,7 @@ GATES = {
     "all-mutants": ("campaign", 36000, f"nice -n 10 {PYTHON} tests/mutate.py --mutants 300"),
     "eva-double": ("campaign", 3000, f"{PYTHON} tests/check_eva.py --double"),
     "eva-weights": ("campaign", 3000, f"{PYTHON} tests/check_eva.py --weights"),
+    "eva-weights-double": ("campaign", 6000, f"{PYTHON} tests/check_eva.py --weights --double"),
 }
 GROUPS = ("test", "prove", "campaign")
 FIGURE = re.compile(r"figure: ([^|:]+): ([^|]+)")

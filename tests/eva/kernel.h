@@ -17,6 +17,8 @@ uint64_t kelly_phase_step(real w, uint32_t step_ns);
     ensures \is_finite(block->lane[0].muf) && \is_finite(block->lane[0].t1); */
 void kelly_block_resync(kelly_block *block, unsigned lane);
 
+#define MODES 20                         /* all of the committed table */
+
 static kelly_case run;
 static kelly_draw draw;
 static kelly_modes modes;
@@ -27,12 +29,12 @@ static void any_checked(uint32_t low, int soft)
     const real most = (soft ? KELLY_TURN : KELLY_IMAGINARY_AXIS) * R(1e9) / (real)low;
 
     run.f0 = any_real(0, R(1e9));
-    run.step_ns = Frama_C_unsigned_int_interval(low, 8 * low);
+    run.step_ns = Frama_C_unsigned_int_interval(low, low < 125000000 ? 8 * low : 1000000000);
     run.ticks = Frama_C_unsigned_int_interval(1, UINT32_MAX);
     run.window_first = Frama_C_unsigned_int_interval(0, UINT32_MAX - 1);
     run.window_last = Frama_C_unsigned_int_interval(1, UINT32_MAX);
     run.limit = any_real(0, R(10.0));
-    run.torsional = 10;
+    run.torsional = Frama_C_unsigned_char_interval(1, MODES);
     run.axial = Frama_C_unsigned_char_interval(1, 11);
     run.rotating = Frama_C_unsigned_char_interval(0, 1);
     run.drive.inertia = soft ? any_real(R(1.0), R(1e12)) : 0;

@@ -123,12 +123,12 @@ static kelly_plant plant;
 static kelly_case run;
 static kelly_draw draw;
 
-static void any_start(uint8_t count)
+static void any_start(uint8_t torsional, uint8_t axial)
 {
     run.f0 = any_real(0, R(5e5));
     run.step_ns = Frama_C_unsigned_int_interval(1000, 1000000000);
-    run.torsional = count;
-    run.axial = count;
+    run.torsional = torsional;
+    run.axial = axial;
     run.rotating = Frama_C_unsigned_char_interval(0, 1);
     run.drive.inertia = Frama_C_nondet(0, 1) ? 0 : any_real(R(1.0), R(1e12));
     run.drive.impedance = any_real(0, R(1e12));
@@ -159,13 +159,13 @@ static void use(void)
     (void)kelly_plant_twist(&plant);
 }
 
-static void start(uint8_t count)
+static void start(uint8_t torsional, uint8_t axial)
 {
-    any_start(count);
+    any_start(torsional, axial);
     if (kelly_plant_start(&plant, &kelly_string, &run, &draw) == KELLY_OK) {
         use();
     }
-    any_start(count);
+    any_start(torsional, axial);
     if (kelly_plant_start_commanded(&plant, &kelly_string, &run, &draw, any_real(R(-1e30), R(1e30))) == KELLY_OK) {
         use();
     }
@@ -173,8 +173,8 @@ static void start(uint8_t count)
 
 int main(void)
 {
-    start(1);
-    start(2);
-    start(10);
+    start(1, 1);
+    start(2, 2);
+    start(20, 11);
     return 0;
 }

@@ -1,4 +1,4 @@
-/* reweight.h: any laws, any realisations of 1e-30 .. 1e30, sums that such realisations can have made. */
+/* reweight.h: any laws, any realisations, sums that such realisations can have made. */
 #include "reweight.h"
 #include "contracts.h"
 
@@ -61,7 +61,7 @@ int main(void)
     any_laws(&from, 0);
     kelly_reweight_start(&sums, &from, &to);
     for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
-        y[k] = Frama_C_double_interval(1e-30, 1e30);
+        y[k] = Frama_C_double_interval(1e-36, 1e36);
     }
     any_sums();
     kelly_reweight_add(&sums, y, Frama_C_interval(0, KELLY_STATUSES - 1), Frama_C_interval(0, 1));

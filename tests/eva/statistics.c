@@ -3,7 +3,7 @@
 #include "tally.h"
 #include "contracts.h"
 
-static real any_speed(void) { return any_real(R(-1e6), R(1e6)); }
+static real any_speed(void) { return any_real(R(-1e8), R(1e8)); }
 
 static void severity(void)
 {

@@ -14,8 +14,8 @@ void kelly_block_resync(kelly_block *block, unsigned lane);
 static kelly_block block;
 static kelly_modes modes;
 
-/* |2 mu f| is at most F = m / 13.5, so that m bounds what intervals make of the weight between two ticks. The lever of a torque is
- * h/2 (sum of b^2), and F > m / 27: h 2 mu f (sum of b^2) <= 2 2.785 (kelly_realise) leaves a lever of 76 / m. Slices of m go by
+/* |2 mu f| is at most F = m / 13.42, so that m bounds what intervals make of the weight between two ticks. The lever of a torque is
+ * h/2 (sum of b^2), and F > m / 26.84: h 2 mu f (sum of b^2) <= 2 2.785 (kelly_realise) leaves a lever of less than 76 / m. Slices of m go by
  * powers of 2. Of the lightest, h (sum of b^2) <= 2. */
 static real lever_of(real m)
 {
@@ -24,7 +24,7 @@ static real lever_of(real m)
 
 static void any_lane(kelly_lane *on, real m, real a)
 {
-    const real lever = lever_of(m), f = m / R(13.5);
+    const real lever = lever_of(m), f = m / R(13.42);
 
     on->w0 = any_real(0, R(1e4));
     on->ratio = any_real(0, LARGEST_A1 / (2 * a));
@@ -82,7 +82,7 @@ static void any_block(unsigned full, real m, real a)
     block.vectors = KELLY_VECTORS;
     block.full = full;
     for (unsigned v = 0; v < KELLY_VECTORS; v++) {
-        block.phase_step[v] = Frama_C_unsigned_long_long_interval(0, 0x7200000000000000);
+        block.phase_step[v] = Frama_C_unsigned_long_long_interval(0, 0x7300000000000000);
         any_lane(&block.lane[v], m, a);
         for (unsigned i = 0; i < KELLY_MODES_MAX; i++) {
             if (full) {

@@ -76,8 +76,8 @@ static void tables(void)
     shapes();
     known = kelly_modes_at(&kelly_string, any_real(R(-1e30), R(1e30)), Frama_C_unsigned_int_interval(0, UINT32_MAX), &modes);
     known += kelly_axial_modes_at(&kelly_string, any_real(R(-1e30), R(1e30)), Frama_C_unsigned_int_interval(0, UINT32_MAX), w2, b);
-    if (kelly_modes_at(&kelly_string, any_real(R(-1e30), R(1e30)), 10, &modes)) {
-        for (unsigned i = 0; i < 10; i++) {
+    if (kelly_modes_at(&kelly_string, any_real(R(-1e30), R(1e30)), 20, &modes)) {
+        for (unsigned i = 0; i < 20; i++) {
             //@ assert 1e-3 <= modes.w2[i] <= 1e8;
             //@ assert 1e-4 <= modes.b[i] <= 1;
             //@ assert -1e4 <= modes.d[i] <= 1e4;
@@ -140,8 +140,8 @@ int main(void)
 {
     tables();
     cases();
-    //@ loop unroll 10;
-    for (uint8_t k = 1; k <= 10; k++) {
+    //@ loop unroll 20;
+    for (uint8_t k = 1; k <= 20; k++) {
         rates(k);
     }
     //@ loop unroll 11;

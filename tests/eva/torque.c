@@ -27,11 +27,11 @@ static void slice(float w_low, float w_high, float inverse)
     t = kelly_bit_torque_folded(-w, any_real(-(real)LEAST_M, 0), ratio, inverses);
     //@ assert -1e6 * LEAST_M <= t <= 1e6 * LEAST_M;
     t = kelly_bit_torque_folded(w, any_real(-(real)LARGEST_M, 0), ratio, inverses);
-    //@ assert -1.0058e6 * LARGEST_M <= t <= 1.0058e6 * LARGEST_M;
+    //@ assert -1e6 * LARGEST_M <= t <= 1e6 * LARGEST_M;
     t = kelly_bit_torque_folded(-w, any_real(-(real)LARGEST_M, 0), ratio, inverses);
-    //@ assert -1.0058e6 * LARGEST_M <= t <= 1.0058e6 * LARGEST_M;
-    if (w_high <= 8e6f && inverse >= 1.3e-8f && inverse <= 1.1e4f) {
-        unfolded(w, any_real(1 / (4 * inverse), 1 / inverse));
+    //@ assert -1e6 * LARGEST_M <= t <= 1e6 * LARGEST_M;
+    if (w_low <= 8e6f && inverse >= 1.3e-8f && inverse <= 1.1e4f) {
+        unfolded(any_real(w_low, w_high < 8e6f ? w_high : 8e6f), any_real(1 / (4 * inverse), 1 / inverse));
     }
 }
 

@@ -16,17 +16,17 @@
 #ifndef EVA_TORQUE
 /* Of a1 / (2 a2) and 1 / a2 with a1 <= LARGEST_A1, a2 >= 1e-4. */
 /*@ requires \is_finite(w) && \is_finite(twice_muf) && \is_finite(ratio) && \is_finite(inverse);
-    requires -6.8e10 <= w <= 6.8e10 && -1.0058 * LARGEST_M <= twice_muf <= 0 && 0 <= ratio <= 5.1e6 && 1.5e-8 <= inverse <= 1.1e4;
+    requires -6.8e10 <= w <= 6.8e10 && -LARGEST_M <= twice_muf <= 0 && 0 <= ratio <= 5.1e6 && 1.5e-8 <= inverse <= 1.1e4;
     requires ratio * ratio <= 5.1e10 * inverse;
     assigns \result \from w, twice_muf, ratio, inverse;
     ensures \is_finite(\result);
     ensures twice_muf >= -LEAST_M ==> -1e6 * LEAST_M <= \result <= 1e6 * LEAST_M;
-    ensures -1.0058e6 * LARGEST_M <= \result <= 1.0058e6 * LARGEST_M; */
+    ensures -1e6 * LARGEST_M <= \result <= 1e6 * LARGEST_M; */
 vreal kelly_bit_torque_folded(vreal w, vreal twice_muf, vreal ratio, vreal inverse);
 
 /* The other form, of the top of variable speed. */
 /*@ requires \is_finite(w) && \is_finite(muf) && \is_finite(a1) && \is_finite(a2);
-    requires -8e6 <= w <= 8e6 && -1.0058 * LARGEST_M <= muf <= 0 && 0 <= a1 <= 1000 && 9.99e-5 <= a2 <= 1.8e7;
+    requires -8e6 <= w <= 8e6 && -LARGEST_M <= muf <= 0 && 0 <= a1 <= 1000 && 9.99e-5 <= a2 <= 1.8e7;
     assigns \result \from w, muf, a1, a2;
     ensures \is_finite(\result);
     ensures muf >= -LEAST_M ==> -2.6e5 * LEAST_M <= \result <= 2.6e5 * LEAST_M;

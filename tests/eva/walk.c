@@ -24,7 +24,7 @@ float kelly_gamma_log_weight(float x, float cov)
 {
     //@ assert -FARTHEST <= x <= FARTHEST;
     //@ assert 1e-4f <= cov <= 0.5;
-    return Frama_C_float_interval(KELLY_NO_WEIGHT, 1e12f);
+    return Frama_C_float_interval(KELLY_NO_WEIGHT, 1e16f);
 }
 
 /* guide.c */
