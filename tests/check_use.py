@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Claims about using kelly: help, installing, completion, progress and quiet, strings of one's own, the field along the string.
 
-usage: tests/check_use.py [--float build/host/kelly] [--double build/host-double/kelly] [NAME...]
+usage: tests/check_use.py [--float build/host/kelly] [--double build/host-double/kelly] [NAME...|long_run]
 
 Run with an interpreter that has numpy. Prints one line for each claim that fails, then `N passed, N failed`.
 """
@@ -377,10 +377,19 @@ def check_examples(directory):
     claim(len(rows) == json.load(open(os.path.join(directory, "run.json"), encoding="utf-8"))["samples"], "CSV and JSON of the example tell of the same run")
 
 
+def check_long_run():
+    """More than 2^31 steps from one line to the next, some minutes: by name only."""
+    done = kelly(*"simulate --torsional 1 --axial 1 --duration 2147484 --out-step 2147483.7 --window 0:2147484".split())
+    times = [line.split(",")[0] for line in done.stdout.splitlines()[1:]]
+    claim(done.returncode == 0 and times == ["0", "2147483.7"], f"2147484000 steps: exit {done.returncode}, lines at {times[:5]}")
+
+
 def main():
     parser = command_line(__doc__)
     parser.add_argument("names", nargs="*")
     names = chosen(parser).names
+    if names == ["long_run"]:
+        check_long_run()
     for check in (check_help, check_options_are_told, check_defaults, check_install, check_quiet, check_progress, check_colour, check_ssi,
                   check_units, check_wells, check_convergence, check_field):
         name = check.__name__[6:]

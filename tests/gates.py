@@ -78,6 +78,7 @@ GATES = {
     "coverage": ("prove", 1500, f"{PYTHON} tests/check_coverage.py"),
     "board-coverage": ("prove", 600, f"{PYTHON} tests/check_board_coverage.py"),
     "mutants": ("prove", 1500, f"nice -n 10 {PYTHON} tests/mutate.py --mutants 60 --quick"),
+    "long-run": ("campaign", 1800, f"{PYTHON} tests/check_use.py long_run"),
     "all-mutants": ("campaign", 36000, f"nice -n 10 {PYTHON} tests/mutate.py --mutants 300"),
     "eva-double": ("campaign", 3000, f"{PYTHON} tests/check_eva.py --double"),
     "eva-weights": ("campaign", 3000, f"{PYTHON} tests/check_eva.py --weights"),
