@@ -140,6 +140,8 @@ $(dir)/host/%.o: host/%.c $(dir)/flags
 	@mkdir -p $(@D); echo 'CC $<' >&2
 	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) $(warnings) $(required) $(host_only) $(real_flag) -MMD -MP -c $< -o $@
 
+$(dir)/host/emulator.o: private CPPFLAGS += -DWELL_SUFFIX='"$(name_suffix)"'
+
 define engine_rule
 $(dir)/$(1)/%.o: firmware/%.c $(dir)/flags
 	@mkdir -p $$(@D); echo 'CC $$< for $(1)' >&2
@@ -303,7 +305,7 @@ test:                                         ## every gate of `make test`; inst
 	@sh tests/install $$(sed -n 's/^test: //p' tests/packages.txt)
 	@$(with_python) tests/gates.py test
 
-prove:                                        ## proof, static rules, coverage, mutation, fuzzing: beside make test; 22 minutes; installs what it needs
+prove:                                        ## proof, static rules, coverage, mutation, fuzzing: beside make test; half an hour and more; installs what it needs
 	@sh tests/install $$(sed -nE 's/^(test|prove): //p' tests/packages.txt)
 	@$(with_python) tests/gates.py prove
 

@@ -17,6 +17,10 @@
 
 #define RUNNING_MOST 16
 
+#ifndef WELL_SUFFIX               /* "-NAME" where WELL=.../NAME.toml was built: Makefile */
+#define WELL_SUFFIX ""
+#endif
+
 static pid_t running[RUNNING_MOST];   /* ended by exit() */
 
 /* Targets that this tree has, for a message. */
@@ -64,16 +68,12 @@ static int setting(const char *target, const char *name, char *value, size_t roo
 /* The image of this target for this program: build/NAME[-double][-WELL]/device.elf. */
 static void image_of(port *p)
 {
-    const char *const dash = strrchr(kelly_string.id, '-');   /* an id is the name of the well, a dash, its hash */
-    const int length = (int)(dash ? (size_t)(dash - kelly_string.id) : strlen(kelly_string.id));
-    const int own = !(length == 5 && strncmp(kelly_string.id, "paper", 5) == 0);
-    const int wide_real = sizeof(real) > sizeof(float);
+    const int own = sizeof(WELL_SUFFIX) > 1, wide_real = sizeof(real) > sizeof(float);
 
-    snprintf(p->image, sizeof(p->image), "build/%.200s%s%s%.*s/device.elf", p->where, wide_real ? "-double" : "", own ? "-" : "",
-             own ? length : 0, kelly_string.id);
+    snprintf(p->image, sizeof(p->image), "build/%.200s%s%s/device.elf", p->where, wide_real ? "-double" : "", WELL_SUFFIX);
     if (access(p->image, R_OK) != 0) {
-        die(EXIT_USAGE, "--port qemu:%s: there is no %s; make it: make TARGET=%s%s%s%.*s%s", p->where, p->image, p->where,
-            wide_real ? " REAL=double" : "", own ? " WELL=.../" : "", own ? length : 0, kelly_string.id, own ? ".toml" : "");
+        die(EXIT_USAGE, "--port qemu:%s: there is no %s; make it: make TARGET=%s%s%s%s%s", p->where, p->image, p->where,
+            wide_real ? " REAL=double" : "", own ? " WELL=.../" : "", &WELL_SUFFIX[own], own ? ".toml" : "");
     }
 }
 

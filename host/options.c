@@ -191,6 +191,14 @@ static void settle_times(options *out, const times *when)
     }
 }
 
+static uint8_t option_modes(const char *name, const char *value, unsigned most)
+{
+    char right[64];
+
+    snprintf(right, sizeof(right), "a number of modes that the table carries, 1..%u", most);
+    return (uint8_t)option_whole(name, value, 1, most, right);
+}
+
 static int parse_case(options *out, times *when, const char *name, const char *value)
 {
     kelly_case *const run = &out->run;
@@ -210,9 +218,9 @@ static int parse_case(options *out, times *when, const char *name, const char *v
     } else if (strcmp(name, "--limit") == 0) {
         run->limit = (real)option_number(name, value, 0.0, 10.0, "a severity in 0..10, e.g. 0.8");
     } else if (strcmp(name, "--torsional") == 0) {
-        run->torsional = (uint8_t)option_whole(name, value, 1, kelly_string.torsional, "a number of torsional modes that the table carries, 1..10 or more");
+        run->torsional = option_modes(name, value, kelly_string.torsional);
     } else if (strcmp(name, "--axial") == 0) {
-        run->axial = (uint8_t)option_whole(name, value, 1, kelly_string.axial, "a number of axial modes that the table carries, the rigid one included, 1..11");
+        run->axial = option_modes(name, value, kelly_string.axial);
     } else if (strcmp(name, "--step") == 0) {
         when->step = option_number(name, value, 1e-6, 1.0, "the RK4 step in seconds, 1e-6..1, e.g. 0.001");
     } else if (strcmp(name, "--duration") == 0) {
