@@ -67,7 +67,7 @@ static void check_output(const char *path)
     }
     snprintf(directory, sizeof(directory), "%.*s", slash ? (int)(slash - path) + 1 : 1, slash ? path : ".");
     if (access(directory, W_OK | X_OK) != 0) {
-        die(EXIT_USAGE, "%s: cannot write here: there is no such directory, or it may not be written", path);
+        die(EXIT_FAILED, "%s: cannot write here: there is no such directory, or it may not be written", path);
     }
 }
 

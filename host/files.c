@@ -103,7 +103,7 @@ int open_locked(const char *path)
         const int fd = open(path, O_RDWR | O_CREAT | O_CLOEXEC | O_APPEND | O_NOFOLLOW, 0666);
 
         if (fd < 0 || fstat(fd, &here) != 0) {
-            die(errno == ENOENT || errno == ENOTDIR || errno == EISDIR ? EXIT_USAGE : EXIT_FAILED, "%s: cannot write here: %s", path, strerror(errno));
+            die(EXIT_FAILED, "%s: cannot write here: %s", path, strerror(errno));
         }
         if (!S_ISREG(here.st_mode)) {
             die(EXIT_USAGE, "%s: not a file; move it away", path);

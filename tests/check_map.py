@@ -210,7 +210,7 @@ def check_mistakes(folder):
                        ("--resume", "no journal"), ("--resume --json -", "no journal"), ("--resume --csv /dev/null", "no journal")):
         refused(f"map {args}", word)
     for option in ("csv", "json", "npy"):
-        refused(f"map {SMALL} --{option} {folder}/none/x.{option}", "cannot write here")
+        refused(f"map {SMALL} --{option} {folder}/none/x.{option}", "cannot write here", status=1)
     full = kelly(f"map {SMALL} --csv /dev/full")
     claim(full.returncode == 1 and full.stderr.count("\n") == 1, f"a full device: exit {full.returncode}")
     for args, word in (("--below 0", "probability"), ("--below 2", "probability"), ("--below", "value"), ("--search-rpm 5", "range"),
