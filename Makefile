@@ -140,6 +140,9 @@ $(dir)/host/%.o: host/%.c $(dir)/flags
 	@mkdir -p $(@D); echo 'CC $<' >&2
 	$(Q)$(CC) $(CPPFLAGS) $(CFLAGS) $(warnings) $(required) $(host_only) $(real_flag) -MMD -MP -c $< -o $@
 
+$(dir)/well: FORCE
+	@mkdir -p $(@D); [ "$$(cat $@ 2>/dev/null)" = '$(name)' ] || echo '$(name)' > $@
+$(dir)/host/emulator.o: $(dir)/well
 $(dir)/host/emulator.o: private CPPFLAGS += -DWELL_SUFFIX='"$(name_suffix)"'
 
 define engine_rule
