@@ -394,6 +394,7 @@ int bench_campaign(const bench_request *ask, board *boards)
     static campaign c;
     kelly_msg_case_set set;
     char engine[48];
+    int status;
 
     if ((uint64_t)ask->opts.first + ask->opts.samples > UINT32_MAX) {
         die(EXIT_USAGE, "--first %u --samples %u: indices end at 4294967294 on a bench", ask->opts.first, ask->opts.samples);
@@ -416,10 +417,10 @@ int bench_campaign(const bench_request *ask, board *boards)
     if (c.low < ask->opts.samples) {
         collect(&c);
     }
-    outcome_close(&c.out);
+    status = outcome_close(&c.out);
     if (outcome_speaks(&ask->opts)) {
         print_bench(&c);
     }
     free(c.cells);
-    return EXIT_DONE;
+    return status;
 }

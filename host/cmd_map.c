@@ -175,6 +175,21 @@ static int on_stdout(const char *path)
     return path && strcmp(path, "-") == 0;
 }
 
+/* A map without one P is no answer. */
+static int answered(const driller_map *map)
+{
+    const size_t cells = 2 * (size_t)map->wob.count * map->rpm.count;
+    char text[ADVICE_TEXT];
+
+    for (size_t i = 0; i < cells; i++) {
+        if (map->cells[i].tally.samples > kelly_refused(&map->cells[i].tally)) {
+            return EXIT_DONE;
+        }
+    }
+    fprintf(stderr, "kelly: map: no answer: no realisation of any cell can be trusted: %s\n", advice_on(&map->cells[0].tally, text));
+    return EXIT_FAILED;
+}
+
 int command_map(int argc, char **argv)
 {
     static map_run m;
@@ -198,5 +213,5 @@ int command_map(int argc, char **argv)
     if (!m.opts.quiet && !on_stdout(m.opts.csv) && !on_stdout(m.opts.json) && !on_stdout(m.npy)) {
         print_map(&m.map, &m.how);
     }
-    return EXIT_DONE;
+    return answered(&m.map);
 }

@@ -351,6 +351,5 @@ int command_merge(int argc, char **argv)
             add_csv(&out, &parts[i]);
         }
     }
-    outcome_close(&out);
-    return EXIT_DONE;
+    return outcome_close(&out);
 }

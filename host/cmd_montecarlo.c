@@ -67,7 +67,7 @@ int command_montecarlo(int argc, char **argv)
     }
     if (team_rank() == 0) {
         envelope_run(&out.envelope, &opts, beside, &out.envelope_log);
-        outcome_close(&out);
+        return outcome_close(&out);
     }
     return EXIT_DONE;
 }

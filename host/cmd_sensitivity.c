@@ -236,6 +236,7 @@ int command_sensitivity(int argc, char **argv)
     options opts;
     outfile json = { 0 };
     const char *beside;
+    char text[ADVICE_TEXT];
     const double start = now();
 
     options_parse(&opts, argc, argv, TAKES_CASE | TAKES_ENSEMBLE | TAKES_JSON | TAKES_RESUME, "sensitivity", 0, 0);
@@ -273,6 +274,9 @@ int command_sensitivity(int argc, char **argv)
     journal_remove(&log);
     if (!opts.quiet && !(opts.json && strcmp(opts.json, "-") == 0)) {
         print_outcome(&out);
+    }
+    if (out.left_out == out.rows) {
+        die(EXIT_FAILED, "sensitivity: no answer: each of %u rows holds a realisation that cannot be trusted: %s", out.rows, advice_on(&out.tally, text));
     }
     return EXIT_DONE;
 }

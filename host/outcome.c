@@ -185,28 +185,70 @@ static const char *colour(double lo, double hi)
     return lo > 0.5 ? "31" : hi < 0.05 ? "32" : "33";
 }
 
-/* What a reader of the one number must know. */
-static void warn(const outcome *out)
+/* What helps where realisations were refused for their step, "" where few were or the nominal weight is outside the table. */
+static const char *step_advice(const outcome *out, char text[ADVICE_TEXT])
 {
     const kelly_tally *const t = &out->tally;
     kelly_draw nominal;
     kelly_modes modes;
     char safe[STEP_TEXT];
 
+    kelly_draw_nominal(&out->opts->run, &nominal);
+    if (t->status[KELLY_STEP] <= t->samples / 100 || kelly_realise(&kelly_string, &out->opts->run, &nominal, &modes) == KELLY_RANGE) {
+        return "";
+    }
+    if (case_seconds(&out->opts->run, 1) < (double)kelly_smallest_step(&modes)) {
+        snprintf(text, ADVICE_TEXT, "the step is too short for this precision, whose rounding would drown the slowest mode; give at least %.6g s",
+                 (double)kelly_smallest_step(&modes));
+    } else {
+        snprintf(text, ADVICE_TEXT, "the step is too long for %u of %u; the nominal case allows %s s, its tails about a third of that",
+                 t->status[KELLY_STEP], t->samples, step_text((double)kelly_largest_step(&kelly_string, &out->opts->run, &nominal, &modes), safe));
+    }
+    return text;
+}
+
+/* What a reader of the one number must know. */
+static void warn(const outcome *out)
+{
+    const kelly_tally *const t = &out->tally;
+    char text[ADVICE_TEXT];
+    const char *const advice = step_advice(out, text);
+
     if (t->liftoff > t->samples / 100) {
         printf("warning: in %u of %u the weight would change its sign (|fc| < 1.01 f0): the bit would lift off, which this model leaves out\n",
                t->liftoff, t->samples);
     }
-    kelly_draw_nominal(&out->opts->run, &nominal);
-    if (t->status[KELLY_STEP] > t->samples / 100 && kelly_realise(&kelly_string, &out->opts->run, &nominal, &modes) != KELLY_RANGE) {
-        if (case_seconds(&out->opts->run, 1) < (double)kelly_smallest_step(&modes)) {
-            printf("warning: the step is too short for this precision, whose rounding would drown the slowest mode; give at least %.6g s\n",
-                   (double)kelly_smallest_step(&modes));
-            return;
-        }
-        printf("warning: the step is too long for %u of %u; the nominal case allows %s s, its tails about a third of that\n", t->status[KELLY_STEP],
-               t->samples, step_text((double)kelly_largest_step(&kelly_string, &out->opts->run, &nominal, &modes), safe));
+    if (*advice) {
+        printf("warning: %s\n", advice);
     }
+}
+
+const char *advice_on(const kelly_tally *t, char text[ADVICE_TEXT])
+{
+    if (t->status[KELLY_CORRUPT] > 0) {
+        return "a number in memory changed while they ran; look at the memory of the machine, and run them again";
+    }
+    if (t->status[KELLY_RANGE] == 0) {
+        return "give a shorter --step, or another case";
+    }
+    snprintf(text, ADVICE_TEXT, "the table is fitted for weights of %.6g..%.6g kN; give such a --wob", (double)kelly_string.fc_min / 1000.0,
+             (double)kelly_string.fc_max / 1000.0);
+    return text;
+}
+
+/* A probability of nothing is no answer: the files say what was refused, the exit status that there is none. */
+static int answered(const outcome *out)
+{
+    const kelly_tally *const t = &out->tally;
+    char text[ADVICE_TEXT];
+    const char *const advice = step_advice(out, text);
+
+    if (t->samples > kelly_refused(t)) {
+        return EXIT_DONE;
+    }
+    fprintf(stderr, "kelly: no answer: none of %u realisations can be trusted (step %u, range %u, nonfinite %u, corrupt %u): %s\n", t->samples,
+            t->status[KELLY_STEP], t->status[KELLY_RANGE], t->status[KELLY_NONFINITE], t->status[KELLY_CORRUPT], *advice ? advice : advice_on(t, text));
+    return EXIT_FAILED;
 }
 
 void outcome_print_refused(const outcome *out, const char *where)
@@ -311,7 +353,7 @@ int outcome_speaks(const options *opts)
     return !opts->quiet && !(opts->json && strcmp(opts->json, "-") == 0) && !(opts->csv && strcmp(opts->csv, "-") == 0);
 }
 
-void outcome_close(outcome *out)
+int outcome_close(outcome *out)
 {
     const options *const opts = out->opts;
     double lo, hi;
@@ -331,4 +373,5 @@ void outcome_close(outcome *out)
     if (outcome_speaks(opts)) {
         print_outcome(out, lo, hi);
     }
+    return answered(out);
 }

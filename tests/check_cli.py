@@ -293,9 +293,7 @@ def check_refused():
         close(r["ci95"], clopper_pearson(r["stuck"], r["samples"], r["refused"]), 1e-9, f"{what}: interval")
         claim(all(row["bit_min_rpm"] == row["ss"] == "" and row["stuck"] == "0" for row in rows if row["status"] != "ok"), f"{what}: results of refused ones")
         claim(f"{crc32c(b''.join(map(record, rows))):08x}" == r["digest"], f"{what}: digest")
-    r = report("float", "--step 0.02 --out-step 0.02 --samples 5 --duration 2")
-    claim(r["probability"] is None and r["ci95"] == [0, 1], f"all refused: {r['probability']} {r['ci95']}")
-    result = kelly("float", "montecarlo --step 0.004 --samples 2 --duration 4")
+    result = kelly("float", "montecarlo --step 0.004 --mu 0.004 --samples 2 --duration 4")
     claim(result.returncode == 0, f"montecarlo minds an --out-step that nobody gave and it has no use for: {result.stderr.strip()}")
     r = report("float", "--wob 60 --mu 0.004 --samples 400 --duration 1")
     claim(0.15 <= r["liftoff"] / 400 <= 0.30, f"--wob 60: {r['liftoff']} of 400 lift off, not some 22 %")
@@ -312,6 +310,23 @@ def check_refused():
     step = float(shown[1]) if shown else 1.0
     ran = kelly("float", f"simulate --drive {drive} --step {step} --out-step {step} --duration {1000 * step} --window 0:{1000 * step}")
     claim(ran.returncode == 0, f"{drive}: its own largest step {step} is refused: {ran.stderr}")
+
+
+def check_no_answer():
+    """A probability of nothing is exit 1 and a line that says what would help; the files are there all the same."""
+    for case, words in (("--step 0.02", "(step 5, range 0, nonfinite 0, corrupt 0): the step is too long for 5 of 5; the nominal case allows 0.0036"),
+                        ("--wob 1500 --cov 0", "(step 0, range 5, nonfinite 0, corrupt 0): the table is fitted for weights of 1..1000 kN; give such a --wob")):
+        with tempfile.TemporaryDirectory() as where:
+            result = kelly("float", f"montecarlo {case} --samples 5 --duration 2 --json {where}/r.json --csv {where}/r.csv --quiet")
+            refused(result, 1, f"all refused, {case}")
+            claim(f"none of 5 realisations can be trusted {words}" in result.stderr, f"all refused, {case}: {result.stderr!r}")
+            with open(f"{where}/r.json", encoding="ascii") as file:
+                r = json.load(file)
+            claim(r["probability"] is None and r["ci95"] == [0, 1] and r["refused"] == 5, f"all refused: {r['probability']} {r['ci95']}")
+            claim(sorted(os.listdir(where)) == ["r.csv", "r.json"], f"all refused: files {os.listdir(where)}")
+            refused(kelly("float", f"merge {where}/r.csv --quiet"), 1, f"a merge of those, {case}")
+    for command in ("map --rpm 60 --wob 100", "sensitivity"):
+        refused(kelly("float", f"{command} --step 0.02 --samples 5 --duration 2 --quiet"), 1, f"{command}, all refused")
 
 
 def check_convergence():

@@ -140,7 +140,7 @@ def check_edges():
             else:
                 claim(edge is None and kind == ("above" if highest == len(scan) - 1 else "below" if highest < 0 else "?"), f"{name} at {wob} kN: {kind}, {edge}, {scan}")
     claim(kinds == {"found", "above", "below"}, f"the test sees every kind of edge: {kinds}")
-    step = map_json("--rpm 60:120:30 --wob 900 --samples 2 --mu 0.08 --duration 1 --window 0:1")
+    step = map_json("--rpm 60:120:30 --wob 600 --samples 20 --mu 0.04 --cov 0.4 --duration 1 --window 0:1")
     claim(step["release"] == ["refused"] and step["onset_rpm"] == [None], f"an edge that cannot be computed: {step['release']}")
     fine = map_json("--rpm 40:140:0.5 --wob 60 --samples 1 --duration 1 --window 0:1")
     claim(len(fine["scan_rpm"]) == 41 and fine["scan_rpm"][0] == 40 and fine["scan_rpm"][-1] == 140, "a fine grid is scanned at 41 speeds")

@@ -40,6 +40,11 @@ if [ ! -f "$out.study" ]; then
 fi
 [ "$(cat "$out.study")" = "$study" ] || refuse "$out.study: of another study ($(tr '\n' ' ' < "$out.study")); give that one's arguments, or another OUT"
 
+# Whether part k has come to its end.
+whole() {
+    [ -f "$out.$1.csv" ] && [ -f "$out.$1.json" ] && [ ! -f "$out.$1.csv.journal" ]
+}
+
 # Realisations of part k: the first `samples % parts` parts have one more.
 part() {
     k=$1
@@ -47,11 +52,10 @@ part() {
     count=$((samples / parts + (k < samples % parts)))
     first=$((k * (samples / parts) + (k < samples % parts ? k : samples % parts)))
     [ "$count" -gt 0 ] || return 0
-    if [ -f "$out.$k.csv" ] && [ -f "$out.$k.json" ] && [ ! -f "$out.$k.csv.journal" ]; then
-        return 0
-    fi
+    ! whole "$k" || return 0
     [ ! -f "$out.$k.csv.journal" ] || set -- "$@" --resume
-    "$kelly" montecarlo "$@" --first "$first" --samples "$count" --csv "$out.$k.csv" --json "$out.$k.json" --quiet
+    "$kelly" montecarlo "$@" --first "$first" --samples "$count" --csv "$out.$k.csv" --json "$out.$k.json" --quiet ||
+        whole "$k"   # exit 1 where none of its realisations can be trusted: that is for the sum to say
 }
 
 k=0
