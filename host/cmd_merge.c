@@ -65,6 +65,9 @@ static void load(part *p, const char *given)
     refuse_unfinished(given);
     refuse_unfinished(json);
     if (access(json, F_OK) != 0) {
+        if (access(given, F_OK) != 0) {
+            die(EXIT_USAGE, "%s: there is no such file; give what montecarlo --csv NAME.csv --json NAME.json wrote", given);
+        }
         die(EXIT_USAGE, "%s: %s is not beside it, so nothing says whose run it is; run the part with --json %s", given, json, json);
     }
     p->given = given;

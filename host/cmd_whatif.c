@@ -60,6 +60,9 @@ static char *case_beside(const char *csv)
     }
     sprintf(path, "%.*s.json", (int)(n > 4 && strcmp(csv + n - 4, ".csv") == 0 ? n - 4 : n), csv);
     if (access(path, F_OK) != 0) {
+        if (access(csv, F_OK) != 0) {
+            die(EXIT_USAGE, "%s: there is no such file; give --from F.csv, what montecarlo --csv F.csv --json F.json wrote", csv);
+        }
         die(EXIT_USAGE, "%s: its laws are unknown, there is no %s; give --case-json F, the JSON that the same run of montecarlo wrote", csv, path);
     }
     return path;

@@ -199,6 +199,8 @@ def check_misfits(folder):
     refused("merge a.csv b.csv", folder, "without --csv")
     os.remove(os.path.join(folder, "b.json"))
     refused("merge a.csv b.csv", folder, "b.json is not beside it")
+    for name in ("nothing.csv", "nothing.json"):
+        refused(f"merge a.csv {name}", folder, f"{name}: there is no such file")
     shutil.copy(os.path.join(folder, "c.csv"), os.path.join(folder, "c.csv.journal"))
     refused("merge c.csv", folder, "not finished", "--resume")
     os.remove(os.path.join(folder, "c.csv.journal"))

@@ -148,6 +148,7 @@ def check_laws_must_be_known(folder, path):
     claim(found["samples"] == 6000, "the JSON can be named")
     refused(f"whatif --from {alone} --case-json {folder}/nothing.json", "cannot be read", 1)
     refused(f"whatif --from {folder}/nothing.csv --case-json {path[:-4]}.json", "cannot be read", 1)
+    refused(f"whatif --from {folder}/nothing.csv", f"{folder}/nothing.csv: there is no such file")
     fixed = stored(folder, "fixed", "--mu 0.004 --duration 2 --window 1:2 --samples 200 --cov mu=0.2")
     refused(f"whatif --from {fixed} --rpm 110", "was not random")
     refused(f"whatif --from {fixed} --cov 0.2", "was not random")
