@@ -48,6 +48,7 @@ static const option_help advise_options[] = {
     { "--below", "P", "the limit of P (default 0.05)" },
     { "--search-rpm", "LO:HI", "speeds that may be advised [rpm] (default: half to twice the speed)" },
     { "--search-wob", "LO:HI", "weights that may be advised [kN] (default: a quarter to twice the weight)" },
+    { "--f0", "KN", "amplitude of the weight [kN] at every setting (default: its ratio to the weight stays the well file's)" },
     { "--samples", "N", "realisations of every setting (default 400)" },
     { "--cov", "D", "coefficients of variation 0..0.5: one for all, or fc=D,mu=D,a1=D,a2=D,rpm=D (default: the well file's)" },
     { "--seed", "S", "of the random streams (default 1)" },

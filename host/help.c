@@ -89,14 +89,26 @@ static void case_defaults(char text[CASES][DEFAULT_TEXT])
     snprintf(text[9], DEFAULT_TEXT, " (default %.6g:%.6g)", case_seconds(run, run->window_first), case_seconds(run, run->window_last));
 }
 
-static void walk_one(const option_group *group, const char *without, option_visit visit, void *context)
+/* Whether a command describes this shared option itself, or refuses it. */
+static int is_own(const command_help *help, const char *name)
+{
+    for (const option_help *own = help->own; own && own->name; own++) {
+        if (strcmp(own->name, name) == 0) {
+            return 1;
+        }
+    }
+    return help->without && strcmp(help->without, name) == 0;
+}
+
+/* `shared`: the command whose own options take the place of the group's; or 0. */
+static void walk_one(const option_group *group, const command_help *shared, option_visit visit, void *context)
 {
     char text[CASES][DEFAULT_TEXT];
 
     case_defaults(text);
     visit(context, group->title, 0, "");
     for (unsigned i = 0; group->options[i].name; i++) {
-        if (!without || strcmp(group->options[i].name, without) != 0) {
+        if (!shared || !is_own(shared, group->options[i].name)) {
             visit(context, group->title, &group->options[i], group->options == case_options ? text[i] : "");
         }
     }
@@ -112,7 +124,7 @@ void help_walk(const subcommand *c, option_visit visit, void *context)
     }
     for (unsigned g = 0; g < sizeof(groups) / sizeof(groups[0]); g++) {
         if (c->help->takes & groups[g].takes) {
-            walk_one(&groups[g], c->help->without, visit, context);
+            walk_one(&groups[g], c->help, visit, context);
         }
     }
     walk_one(&(option_group){ "Always", 0, common_options }, 0, visit, context);

@@ -96,6 +96,8 @@ def check_help():
         claim(text.stdout == kelly("help", command).stdout, f"kelly help {command} is kelly {command} --help")
         claim(re.search(rf"^Example\n  kelly {command}", text.stdout, re.M), f"{command} --help has an example")
         claim(all(len(line) <= 132 and line == line.rstrip() for line in text.stdout.split("\n")), f"{command} --help: lines of 132 or less")
+        told = options_of(text.stdout)
+        claim(len(told) == len(set(told)), f"{command} --help names an option twice: {sorted(o for o in set(told) if told.count(o) > 1)}")
         claim("default" in text.stdout and ("--rpm" not in text.stdout or "[rpm]" in text.stdout), f"{command} --help: units and defaults")
 
 
@@ -127,6 +129,9 @@ def check_defaults():
         option = "--" + re.sub("_(kN|s)$", "", key)
         found = re.search(rf"^  {option} .*?\(default ([0-9.]+)\)", text, re.M)
         claim(found and abs(float(found[1]) - case[key]) < 1e-6 * case[key], f"default of {option} is {case[key]}")
+    for command in ("map", "advise"):
+        told = re.findall(r"^  --f0 .*(?:\n {29}.*)*", kelly(command, "--help").stdout, re.M)
+        claim(len(told) == 1 and re.search(r"default:\s+its\s+ratio", told[0]), f"{command} --help, default of --f0: {told}")
 
 
 # ---- installed
