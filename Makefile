@@ -215,7 +215,7 @@ fuzz_with_wits := firmware/link/wits
 fuzz_with_console := $(fuzz_kernel) $(fuzz_app:%=firmware/app/%)
 fuzz_with_journal := firmware/link/crc32c
 fuzz_with_elf := firmware/link/crc32c
-fuzz_of_options := host/until host/envelope host/npy host/screen host/threads host/journal
+fuzz_of_options := host/help host/until host/envelope host/npy host/screen host/threads host/journal
 fuzz_with_stored := $(fuzz_kernel) host/json_read host/drive host/options $(fuzz_of_options)
 fuzz_with_options := $(fuzz_kernel) $(fuzz_of_options)
 

@@ -130,6 +130,62 @@ void help_walk(const subcommand *c, option_visit visit, void *context)
     walk_one(&(option_group){ "Always", 0, common_options }, 0, visit, context);
 }
 
+#define NAME_MOST 31u
+
+/* Letters to be changed, put in or left out until a is b, a name of at most NAME_MOST. */
+static size_t distance(const char *a, const char *b)
+{
+    const size_t length = strlen(b);
+    size_t row[NAME_MOST + 1];   /* from what is read of a to the first letters of b */
+
+    for (size_t j = 0; j <= length; j++) {
+        row[j] = j;
+    }
+    for (size_t i = 0; a[i]; i++) {
+        size_t before = row[0];
+
+        row[0] = i + 1;
+        for (size_t j = 0; j < length; j++) {
+            const size_t same = before + (a[i] != b[j]), one = 1 + (row[j] < row[j + 1] ? row[j] : row[j + 1]);
+
+            before = row[j + 1];
+            row[j + 1] = same < one ? same : one;
+        }
+    }
+    return row[length];
+}
+
+typedef struct {
+    const char *given, *found;
+    size_t away;                 /* letters of `found`; less than half of it */
+} likeness;
+
+static void compare(void *context, const char *title, const option_help *option, const char *fallback)
+{
+    likeness *const l = context;
+    const size_t length = option ? strlen(option->name) : NAME_MOST + 1, away = length <= NAME_MOST ? distance(l->given, option->name) : l->away;
+
+    (void)title, (void)fallback;
+    if (away < l->away && 2 * away < length) {
+        l->found = option->name;
+        l->away = away;
+    }
+}
+
+const char *help_like(const char *command, const char *name)
+{
+    likeness l = { name, 0, 3 };
+
+    for (unsigned i = 0; i < command_count; i++) {
+        if (!command) {
+            compare(&l, "", &(option_help){ .name = commands[i].name }, "");
+        } else if (strcmp(commands[i].name, command) == 0) {
+            help_walk(&commands[i], compare, &l);
+        }
+    }
+    return l.found;
+}
+
 /* Words of the text, a new line under the column of the first before 110 characters. */
 static void print_wrapped(FILE *to, unsigned column, const char *text)
 {

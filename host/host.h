@@ -115,6 +115,9 @@ typedef struct {
 typedef void (*option_visit)(void *context, const char *title, const option_help *option, const char *fallback);
 
 void help_walk(const subcommand *c, option_visit visit, void *context);
+/* The option of this command, or with 0 the command, whose name is this one but for two letters or fewer; 0 where there is none. */
+const char *help_like(const char *command, const char *name);
+
 void help_command(FILE *to, const subcommand *c);
 void help_short(FILE *to);        /* for `kelly` alone */
 void help_all(FILE *to);

@@ -34,8 +34,12 @@ static const subcommand *command_named(const char *name)
 
 static _Noreturn void no_command(const char *name)
 {
+    const char *const meant = help_like(0, name);
     char names[256] = "";
 
+    if (meant) {
+        die(EXIT_USAGE, "'%s' is not a command; did you mean %s?", name, meant);
+    }
     for (unsigned i = 0; i < command_count; i++) {
         strncat(names, i == 0 ? "" : i + 1 < command_count ? ", " : " or ", sizeof(names) - strlen(names) - 1);
         strncat(names, commands[i].name, sizeof(names) - strlen(names) - 1);

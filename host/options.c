@@ -308,6 +308,16 @@ static int parse_common(options *out, const char *name, const char *value)
     return 1;
 }
 
+/* Dies where it is no option of the command, but nearly one. */
+static void check_spelling(const char *command, const char *name)
+{
+    const char *const meant = help_like(command, name);
+
+    if (meant && strcmp(meant, name) != 0) {
+        die(EXIT_USAGE, "%s: unknown option %s; did you mean %s?", command, name, meant);
+    }
+}
+
 /* One "--name value" or "--name=value"; returns how many arguments it took. */
 static int parse_one(options *out, times *when, int argc, char **argv, unsigned takes, const char *command, more_options more, void *context)
 {
@@ -329,6 +339,7 @@ static int parse_one(options *out, times *when, int argc, char **argv, unsigned 
     }
     value = equals ? equals + 1 : argc > 1 ? argv[1] : "";
     if (*value == '\0') {
+        check_spelling(command, name);
         die(EXIT_USAGE, "%s: needs a value; see kelly %s --help", name, command);
     }
     known = parse_common(out, name, value) || (takes & TAKES_CASE && parse_case(out, when, name, value)) ||
@@ -339,6 +350,7 @@ static int parse_one(options *out, times *when, int argc, char **argv, unsigned 
     }
     known = known || (more && more(context, name, value));
     if (!known) {
+        check_spelling(command, name);
         die(EXIT_USAGE, "%s: unknown option %s; see kelly %s --help", command, name, command);
     }
     return equals ? 1 : 2;

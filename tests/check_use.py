@@ -118,6 +118,19 @@ def check_options_are_told():
             claim(refused != (option in told), f"{command} {'does not take' if refused else 'takes'} {option}, its help says otherwise")
 
 
+def check_spelling():
+    """A name that is nearly one is told which; one that is not, as ever."""
+    for words, meant in (("montcarlo", "montecarlo"), ("help simualte", "simulate"), ("mop", "map"), ("whatif --form x", "--from"),
+                         ("montecarlo --sampels 5", "--samples"), ("montecarlo --quite", "--quiet"), ("simulate --samples 4", "--sample"),
+                         ("map --adaptiv 0.1", "--adaptive"), ("bench --prot x", "--port"), ("modes --jsn=x", "--json"), ("montecarlo --f1 3", "--f0"),
+                         ("rare --mv", "--mu")):
+        wrong = kelly(*words.split())
+        claim(wrong.returncode == 2 and wrong.stderr.endswith(f"; did you mean {meant}?\n") and wrong.stderr.count("\n") == 1, f"{words}: {wrong.stderr!r}")
+    for words in ("nonsense", "mo", "modes --rpm 100", "simulate --samplings 4", "modes --j x", "montecarlo --xx 1", "montecarlo --rpm"):
+        wrong = kelly(*words.split())
+        claim(wrong.returncode == 2 and "did you mean" not in wrong.stderr and wrong.stderr.count("\n") == 1, f"{words}: {wrong.stderr!r}")
+
+
 def check_defaults():
     """Help prints the defaults that a run uses."""
     with tempfile.TemporaryDirectory() as directory:
@@ -395,7 +408,7 @@ def main():
     names = chosen(parser).names
     if names == ["long_run"]:
         check_long_run()
-    for check in (check_help, check_options_are_told, check_defaults, check_install, check_quiet, check_progress, check_colour, check_ssi,
+    for check in (check_help, check_options_are_told, check_spelling, check_defaults, check_install, check_quiet, check_progress, check_colour, check_ssi,
                   check_units, check_wells, check_convergence, check_field):
         name = check.__name__[6:]
         if not names or name in names:

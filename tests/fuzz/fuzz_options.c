@@ -13,6 +13,10 @@
 
 #define ARGUMENTS 64
 
+static const command_help fuzz_help = { .takes = TAKES_CASE | TAKES_ENSEMBLE | TAKES_JSON, .own = envelope_options, .also = until_options };
+const subcommand commands[] = { { "fuzz", 0, &fuzz_help, 0 } };   /* whose options a misspelt one is held against */
+const unsigned command_count = 1;
+
 static until_request until;
 static envelope_request envelope;
 

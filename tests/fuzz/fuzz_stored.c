@@ -5,6 +5,9 @@
  */
 #include "caught.h"
 
+const subcommand commands[1];        /* of host/help.c, which is not asked here */
+const unsigned command_count = 0;
+
 /* The line buffer belongs to the reader, which frees it at the end only: kept by hand. */
 static char *line_buffer;
 
