@@ -86,7 +86,7 @@ static int word_of(const char *name, const char *value, const char *const words[
 
 static void overload_of(bench_request *ask, const char *value)
 {
-    static const char right[] = "N:US, steps and microseconds, e.g. 7:1500";
+    static const char right[] = "N:US, steps and microseconds, 1..1000000 each, e.g. 7:1500";
     char steps[16];
     const char *const colon = strchr(value, ':');
 

@@ -44,29 +44,24 @@ double option_number(const char *option, const char *text, double lo, double hi,
     return x;
 }
 
+/* Digits, or 1e6, which is a whole number too; with a sign or beyond 2^64 still one, but out of range. */
 uint64_t option_whole(const char *option, const char *text, uint64_t lo, uint64_t hi, const char *right)
 {
+    const char *const digits = text + (text[0] == '-');
     char *end;
-    unsigned long long x;
+    const double x = strtod(digits, &end);
+    const int power = strchr(digits, 'e') != 0, exact = power ? x == floor(x) && (x <= 0x1p53 || x > (double)hi) : !digits[strspn(digits, "0123456789")];
+    uint64_t whole;
 
-    errno = 0;
-    x = strtoull(text, &end, 10);
-    if (isdigit((unsigned char)text[0]) && strchr(text, 'e')) {   /* 1e6 is a whole number too */
-        const double y = strtod(text, &end);
-
-        if (*end == '\0' && y <= 0x1p53 && y == floor(y)) {
-            x = (unsigned long long)y;
-        } else {
-            end = (char *)"not whole";
-        }
-    }
-    if (!isdigit((unsigned char)text[0]) || *end != '\0' || errno == ERANGE) {
+    if (!isdigit((unsigned char)digits[0]) || *end != '\0' || !exact) {
         die(EXIT_USAGE, "%s %s: not a whole number; give %s", option, text, right);
     }
-    if (x < lo || x > hi) {
+    errno = 0;
+    whole = !power ? strtoull(digits, 0, 10) : x <= 0x1p53 ? (uint64_t)x : UINT64_MAX;
+    if (digits != text || errno == ERANGE || x > (double)hi || whole < lo || whole > hi) {
         die(EXIT_USAGE, "%s %s: out of range; give %s", option, text, right);
     }
-    return x;
+    return whole;
 }
 
 /* Parameters by the names of the command line, in the order of the laws. */

@@ -70,7 +70,7 @@ static void parse_serial(port *p, const char *text)
     unsigned known = 0;
 
     p->kind = PORT_SERIAL;
-    p->baud = given ? (unsigned)option_whole("--port ...,baud", comma + 6, 1, 100000000, "bits a second, e.g. 115200") : 115200;
+    p->baud = given ? (unsigned)option_whole("--port ...,baud", comma + 6, 1, 100000000, "bits a second, 9600..921600, e.g. 115200") : 115200;
     keep(p->where, sizeof(p->where), p, text, given ? (size_t)(comma - text) : strlen(text));
     while (known < sizeof(speeds) / sizeof(speeds[0]) && speeds[known].baud != p->baud) {
         known++;

@@ -369,6 +369,21 @@ def check_mistakes():
     claim(os.path.exists("/dev/full") and not [name for name in os.listdir("/dev") if name.startswith("full.")], "something left in /dev")
 
 
+def check_whole():
+    """A whole number that is too small or too large is out of range, however it is written; what is none is told so; 1e3 is one."""
+    for option, value, where in (("--samples", "-5", "1..4294967295"), ("--samples", "1e30", "1..4294967295"), ("--samples", "1e400", "1..4294967295"),
+                                 ("--samples", "-1e3", "1..4294967295"), ("--samples", "4294967296", "1..4294967295"), ("--samples", "9" * 30, "1..4294967295"),
+                                 ("--seed", "-1", "0..18446744073709551615"), ("--seed", "1e20", "0..18446744073709551615"),
+                                 ("--seed", "18446744073709551616", "0..18446744073709551615"), ("--threads", "-1", "1..1024"), ("--torsional", "1e2", "1..20")):
+        said = kelly("float", f"montecarlo {option} {value}").stderr
+        claim(said.startswith(f"kelly: {option} {value}: out of range; give ") and said.endswith(where + "\n"), f"{option} {value}: {said!r}")
+    for value in ("1.5", "1e-3", "+5", "5.0", "1e", "0x5", "5 ", " 5", "-", "--5", "inf", "1e6x", "-1.5"):
+        result = subprocess.run([PROGRAM["float"], "montecarlo", "--samples", value], capture_output=True, text=True, check=False)
+        claim(result.returncode == 2 and f"--samples {value}: not a whole number; give " in result.stderr, f"--samples '{value}': {result.stderr!r}")
+    for value in ("20", "2e1", "0.2e2", "020"):
+        claim(report("float", f"--samples {value} --duration 1")["samples"] == 20, f"--samples {value}")
+
+
 def check_links():
     """An output by a link goes where the link leads; two links to one file are one place, whether or not it is there."""
     case = "montecarlo --samples 2 --duration 1 --window 0:1 --quiet"
