@@ -27,12 +27,12 @@ _Noreturn void plant_refuse(const kelly_plant *plant, const options *opts, const
             (double)kelly_string.fc_min / 1000.0, (double)kelly_string.fc_max / 1000.0);
     }
     if (step < (double)kelly_smallest_step(&plant->modes)) {
-        die(EXIT_USAGE, "--step %.6g: too short for %s, whose rounding would drown the slowest mode; give at least %.6g s%s", step,
+        die(EXIT_USAGE, "--step %.12g: too short for %s, whose rounding would drown the slowest mode; give at least %.6g s%s", step,
             sizeof(real) > 4 ? "double" : "float", (double)kelly_smallest_step(&plant->modes), sizeof(real) > 4 ? "" : ", or build with REAL=double");
     }
     largest = fmin((double)kelly_largest_step(&kelly_string, &opts->run, draw, &plant->modes),
                    (double)kelly_axial_largest_step(&kelly_string, &opts->run, draw));
-    die(EXIT_USAGE, "--step %.6g: too long for this case; the largest safe step is %s s%s", step, step_text(largest, safe),
+    die(EXIT_USAGE, "--step %.12g: too long for this case; the largest safe step is %s s%s", step, step_text(largest, safe),
         largest < STEP_LEAST ? ", and none below 1e-06 s can be given: another case is needed" : "");
 }
 
@@ -98,7 +98,7 @@ static void summary(FILE *to, const options *opts, const window_speeds *w)
 {
     const real ss = kelly_severity(w->lowest, w->highest), ssi = kelly_ssi(w->lowest, w->highest, w->mean);
 
-    fprintf(to, "bit speed %.2f .. %.2f rpm over %.6g:%.6g s, severity ss = %.4f (paper: (max - min)/(max + min)): %s\n",
+    fprintf(to, "bit speed %.2f .. %.2f rpm over %.12g:%.12g s, severity ss = %.4f (paper: (max - min)/(max + min)): %s\n",
             (double)w->lowest / RPM, (double)w->highest / RPM, case_seconds(&opts->run, opts->run.window_first),
             case_seconds(&opts->run, opts->run.window_last), (double)ss, ss > opts->run.limit ? "stick-slip" : "no stick-slip");
     fprintf(to, "mean %.2f rpm, SSI = %.4f (field: (max - min)/(2 mean))\n", (double)w->mean / RPM, (double)ssi);

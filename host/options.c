@@ -138,10 +138,10 @@ static uint32_t ticks_of(const char *option, double seconds, uint32_t step_ns)
     const double ticks = seconds * 1e9 / (double)step_ns, nearest = nearbyint(ticks);
 
     if (fabs(ticks - nearest) > 1e-6 * (1.0 + 1e-6 * nearest)) {
-        die(EXIT_USAGE, "%s %g: not a whole number of steps of %g s; give a multiple of the step", option, seconds, (double)step_ns / 1e9);
+        die(EXIT_USAGE, "%s %.12g: not a whole number of steps of %.12g s; give a multiple of the step", option, seconds, (double)step_ns / 1e9);
     }
     if (nearest > STEPS_MOST) {
-        die(EXIT_USAGE, "%s %g: too long; at most %g steps, which is %g s here", option, seconds, STEPS_MOST, 1e-9 * STEPS_MOST * (double)step_ns);
+        die(EXIT_USAGE, "%s %.12g: too long; at most %g steps, which is %.12g s here", option, seconds, STEPS_MOST, 1e-9 * STEPS_MOST * (double)step_ns);
     }
     return (uint32_t)nearest;
 }
@@ -164,7 +164,7 @@ static void settle_times(options *out, const times *when)
     run->step_ns = step_of(when->step);
     run->ticks = ticks_of("--duration", when->duration, run->step_ns);
     if (run->ticks == 0) {
-        die(EXIT_USAGE, "--duration %g: shorter than a step; give seconds > 0, e.g. 100", when->duration);
+        die(EXIT_USAGE, "--duration %.12g: shorter than a step; give seconds > 0, e.g. 100", when->duration);
     }
     if (when->window_given) {
         run->window_first = ticks_of("--window", when->window[0], run->step_ns);
@@ -174,7 +174,7 @@ static void settle_times(options *out, const times *when)
         run->window_last = run->ticks;
     }
     if (run->window_last > run->ticks) {
-        die(EXIT_USAGE, "--window %g:%g: ends after the duration of %g s; give a window within 0:%g", when->window[0], when->window[1],
+        die(EXIT_USAGE, "--window %.12g:%.12g: ends after the duration of %.12g s; give a window within 0:%.12g", when->window[0], when->window[1],
             when->duration, when->duration);
     }
     if (!(out->out_step > 0)) {   /* not asked for: 0.01 s, or the whole steps next below it */
@@ -182,7 +182,7 @@ static void settle_times(options *out, const times *when)
     }
     out->out_ticks = ticks_of("--out-step", out->out_step, run->step_ns);
     if (out->out_ticks == 0) {
-        die(EXIT_USAGE, "--out-step %g: shorter than a step of %g s; give a multiple of the step", out->out_step, when->step);
+        die(EXIT_USAGE, "--out-step %.12g: shorter than a step of %.12g s; give a multiple of the step", out->out_step, when->step);
     }
 }
 

@@ -173,7 +173,7 @@ void outcome_print_case(const outcome *out)
     const kelly_case *const run = &out->opts->run;
     char drive[DRIVE_TEXT];
 
-    printf("%s, %.6g rpm, %.6g kN, f0 %.6g kN, mu %.6g, alpha1 %.6g, alpha2 %.6g, start %s, window %.6g:%.6g s, step %.6g s%s\n", kelly_string.id,
+    printf("%s, %.6g rpm, %.6g kN, f0 %.6g kN, mu %.6g, alpha1 %.6g, alpha2 %.6g, start %s, window %.12g:%.12g s, step %.12g s%s\n", kelly_string.id,
            (double)run->w0 / RPM, (double)run->fc / 1000.0, (double)run->f0 / 1000.0, (double)run->mu, (double)run->a1, (double)run->a2,
            run->rotating ? "rotating" : "rest", case_seconds(run, run->window_first), case_seconds(run, run->window_last),
            case_seconds(run, 1), drive_remark(&run->drive, drive));

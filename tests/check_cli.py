@@ -384,6 +384,19 @@ def check_whole():
         claim(report("float", f"--samples {value} --duration 1")["samples"] == 20, f"--samples {value}")
 
 
+def check_times():
+    """Times are told with all their digits, in a summary and in a refusal."""
+    said = done("float", "montecarlo --samples 2 --duration 1000.001 --step 0.00100")
+    claim(", window 500:1000.001 s, step 0.001 s" in said, f"the window of a long run: {said!r}")
+    said = done("float", "simulate --duration 1.000125 --step 0.000125 --out /dev/null")
+    claim(" over 0.5:1.000125 s" in said, f"the window of simulate: {said!r}")
+    said = done("float", "montecarlo --samples 2 --duration 0.999999 --step 0.00333333")
+    claim("step 0.00333333 s" in said, f"a step: {said!r}")
+    for args, what in (("--duration 10.00005", "--duration 10.00005: not a whole number of steps of 0.001 s"),
+                       ("--duration 1000.001 --window 500:1000.002", "--window 500:1000.002: ends after the duration of 1000.001 s; give a window within 0:1000.001")):
+        claim(what in kelly("float", f"montecarlo {args}").stderr, f"{args}: {kelly('float', 'montecarlo ' + args).stderr!r}")
+
+
 def check_links():
     """An output by a link goes where the link leads; two links to one file are one place, whether or not it is there."""
     case = "montecarlo --samples 2 --duration 1 --window 0:1 --quiet"
