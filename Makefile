@@ -3,6 +3,8 @@
 #   REAL=double          the plant in double instead of float
 #   WELL=path/NAME.toml  another string
 #   TARGET=NAME          a board of linker/ instead of this machine
+#   SEED=1 FIRST=0       of make digest
+#   MAP='--rpm 60:180:5' options of kelly map, for make map and drives
 #   V=1                  print the commands
 #   CC, CFLAGS, LDFLAGS  as usual; what equal bits need is added behind them and cannot be overridden
 
@@ -372,6 +374,7 @@ clean:                                        ## remove build/
 	rm -rf build
 
 help:                                         ## this list
-	@grep -hE '^[a-z%-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
+	@grep -hE '^[a-z%-]+:.*##' Makefile linker/targets.mk | sed -E 's/:.*## /\t/' | expand -t 14
+	@echo; sed -n 's/^#   //p' Makefile
 
 .PHONY: FORCE all unit convergence run digest size bench readme test prove campaign study map drives figures tables install clean help dist mpi mpi-efficiency fuzzers

@@ -124,7 +124,7 @@ budgets: device hello $(TARGET_KERNEL_OBJECTS)
 	python3 tests/check_budgets.py --target $(TARGET) --real $(REAL) --out $(OUT) $(TARGET_KERNEL_OBJECTS)
 
 # Prints the command; runs it when OpenOCD is installed and the probe is plugged in.
-flash: flash-device
+flash: flash-device                           ## TARGET=NAME: the device program onto a real board; prints OpenOCD's command, runs it if there is a probe
 flash-%: $(OUT)/%.elf
 	@$(if $(OPENOCD),,echo "$(TARGET) is an emulated board: nothing to flash" >&2; exit 1;) \
 	 echo 'openocd $(OPENOCD) -c "program $< verify reset exit"'; \

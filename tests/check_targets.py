@@ -8,6 +8,7 @@ image says in its first comment what to expect, a regular expression, and which 
 compilers and QEMU. Last line `N passed, N failed`.
 """
 import concurrent.futures
+import io
 import os
 import re
 import subprocess
@@ -52,10 +53,12 @@ def check_hello(target, real):
     stack went depends on where the tick struck, and that on when the host answered.)"""
     settings, base = target_settings(target), os.path.join(ROOT, out_of(target, real), "hello")
     words = command(settings, base + ".elf", counting(settings))
-    (status, output), (_, again) = run(words, [LINE], 60), run(words, [LINE], 60)
+    shown = io.BytesIO()
+    (status, output), (_, again) = run(words, [LINE], 60, shown), run(words, [LINE], 60)
     seen, second = values(output), values(again)
     same = {**seen, "stack_used": 0} == {**second, "stack_used": 0}
     yield status == 0 and same, f"hello {real}: status {status}, two runs the same: {same}"
+    yield output.count(b"?") > 0 and shown.getvalue() == re.sub(rb"(?m)^\?\r?\n", b"", output), f"hello {real}: shown without its question: {shown.getvalue()!r}"
     for name, want in {**EVERYWHERE, **REAL[real]}.items():
         got = seen.get(name, -1)
         yield got == want, f"hello {real}: {name} is {got:#x}, wanted {want:#x}"

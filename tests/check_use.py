@@ -147,6 +147,15 @@ def check_defaults():
         claim(len(told) == 1 and re.search(r"default:\s+its\s+ratio", told[0]), f"{command} --help, default of --f0: {told}")
 
 
+def check_make_help():
+    """make help has the goals that are described, also of a board, and the variables."""
+    told = run("make", "-s", "help", cwd=ROOT).stdout
+    goals = set(re.findall(r"^([a-z-]+) ", told, re.M))
+    claim({"all", "run", "digest", "flash", "size", "test", "help"} <= goals, f"make help: goals {sorted(goals)}")
+    missing = [name for name in ("REAL", "WELL", "TARGET", "SEED", "FIRST", "MAP", "V", "CC", "CFLAGS") if not re.search(rf"^(.*\W)?{name}\b", told[told.rfind("\n\n"):], re.M)]
+    claim(not missing, f"make help: no variable {missing}")
+
+
 # ---- installed
 
 def check_install():
@@ -408,7 +417,7 @@ def main():
     names = chosen(parser).names
     if names == ["long_run"]:
         check_long_run()
-    for check in (check_help, check_options_are_told, check_spelling, check_defaults, check_install, check_quiet, check_progress, check_colour, check_ssi,
+    for check in (check_help, check_options_are_told, check_spelling, check_defaults, check_make_help, check_install, check_quiet, check_progress, check_colour, check_ssi,
                   check_units, check_wells, check_convergence, check_field):
         name = check.__name__[6:]
         if not names or name in names:

@@ -46,11 +46,17 @@ class Answers:
         self.silent, self.lines, self.write, self.seen = lines is None, list(lines or ()), write, b""
 
     def hear(self, data):
-        self.seen += data
-        *whole, self.seen = self.seen.split(b"\n")
+        """What is for others: all but the questions that are answered here."""
+        if self.silent:
+            return data
+        rest = b""
+        *whole, self.seen = (self.seen + data).split(b"\n")
         for line in whole:
-            if line.strip() == b"?" and not self.silent:
+            if line.strip() == b"?":
                 self.write((self.lines.pop(0) if self.lines else "").encode() + b"\n")
+            else:
+                rest += line + b"\n"
+        return rest
 
 
 def send(pipe, data):
@@ -67,8 +73,8 @@ def counting(settings):
 
 
 def run(words, lines=(), timeout=60.0, out=None, stdin=subprocess.PIPE):
-    """Run to the end or the time-out. Returns (status, output); `out` gets the output as it comes. An own stdin goes to
-    the UART; then lines must be None."""
+    """Run to the end or the time-out. Returns (status, output); `out` gets it as it comes, but for questions that
+    are answered. An own stdin goes to the UART; then lines must be None."""
     process = subprocess.Popen(words, stdin=stdin, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     answers = Answers(lines, lambda data: send(process.stdin, data))
     output, end = bytearray(), time.monotonic() + timeout
@@ -82,16 +88,19 @@ def run(words, lines=(), timeout=60.0, out=None, stdin=subprocess.PIPE):
             if not data:
                 return status_of(process.wait(max(left, 1))), bytes(output)
             output += data
+            rest = answers.hear(data)
             if out:
-                out.write(data)
+                out.write(rest)
                 out.flush()
-            answers.hear(data)
     except subprocess.TimeoutExpired:
         pass
     finally:
         process.kill()
         process.wait()
         waiter.close()
+        if out:
+            out.write(answers.seen)
+            out.flush()
     return TIMED_OUT, bytes(output)
 
 
