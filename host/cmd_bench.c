@@ -12,7 +12,7 @@ static const option_help bench_options[] = {
     { "--mode", "campaign|lockstep|realtime|wits", "campaign (default): an ensemble, as montecarlo; lockstep: frame by frame beside this program, "
       "equal bits demanded; realtime: on the board's own tick; wits: what a rig display would read, -9999 where the board has nothing to tell yet" },
     { "--image", "F.elf", "the image of the --port before it: its flash must be that file's (default for qemu: build/NAME/device.elf)" },
-    { "--icount", "TEXT", "-icount of the emulator of the --port before it, e.g. shift=5,sleep=off: time by its instructions" },
+    { "--icount", "TEXT", "-icount of the emulator of the --port before it, shift=0..10 or auto, e.g. shift=5,sleep=off: time by its instructions" },
     { "--give-up", "S", "seconds without any board after which the run fails (default 60)" },
     { 0 },
 };
@@ -60,19 +60,6 @@ static int add_port(bench_request *ask, const char *value)
     return 1;
 }
 
-/* Of the port before it, or of all. */
-static int of_port(bench_request *ask, const char *name, const char *value)
-{
-    const int image = strcmp(name, "--image") == 0;
-
-    if (ask->ports > 0) {
-        *(image ? &ask->port[ask->ports - 1].image : &ask->port[ask->ports - 1].icount) = value;
-    } else {
-        *(image ? &ask->image : &ask->icount) = value;
-    }
-    return 1;
-}
-
 /* Which of the words, in order, the value is. */
 static int word_of(const char *name, const char *value, const char *const words[], unsigned count, const char *right)
 {
@@ -82,6 +69,41 @@ static int word_of(const char *name, const char *value, const char *const words[
         }
     }
     die(EXIT_USAGE, "%s %s: unknown; give %s", name, value, right);
+}
+
+/* What QEMU takes of -icount: of what it does not take it says so in several lines, each time that it is started. */
+static void check_icount(const char *text)
+{
+    static const char right[] = "shift=0..10 or shift=auto, then ,sleep=off or ,align=on where it is wanted";
+    static const char *const shifts[] = { "auto", "0", "1", "2", "3", "4", "5", "6", "7", "8", "9", "10" };
+    static const char *const others[] = { "sleep=on", "sleep=off", "align=on", "align=off" };
+    char copy[64], *rest = copy, *part;
+
+    snprintf(copy, sizeof(copy), "%s", text);
+    part = strsep(&rest, ",");
+    (void)word_of("--icount", part + (strncmp(part, "shift=", 6) == 0 ? 6 : 0), shifts, 12, right);
+    while ((part = strsep(&rest, ",")) != 0) {
+        (void)word_of("--icount", part, others, 4, right);
+    }
+    if (strlen(text) >= sizeof(copy) || (strstr(text, "align=on") && strstr(text, "sleep=off"))) {
+        die(EXIT_USAGE, "--icount %s: align=on wants to sleep, or too long; give %s", text, right);
+    }
+}
+
+/* Of the port before it, or of all. */
+static int of_port(bench_request *ask, const char *name, const char *value)
+{
+    const int image = strcmp(name, "--image") == 0;
+
+    if (!image) {
+        check_icount(value);
+    }
+    if (ask->ports > 0) {
+        *(image ? &ask->port[ask->ports - 1].image : &ask->port[ask->ports - 1].icount) = value;
+    } else {
+        *(image ? &ask->image : &ask->icount) = value;
+    }
+    return 1;
 }
 
 static void overload_of(bench_request *ask, const char *value)

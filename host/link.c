@@ -16,7 +16,9 @@
 #define HELLO_TIME 1.0           /* and between later ones */
 #define HELLOS_SOON 4u
 #define HELLOS_MOST 12u          /* before the line is closed and opened again */
+#define SILENCE_TOLD 2.0         /* [s] without any board after which people are told what is waited for */
 #define LINES_MOST 64u
+#define TRIED 1024
 
 void board_parse(board *b, const char *text, const char *image, const char *icount)
 {
@@ -242,19 +244,32 @@ static void attend(link_set *set, board *b)
     }
 }
 
-/* Each board, what was tried and what came of it. */
-static _Noreturn void give_up(const link_set *set, double seconds)
+/* Each board, what was tried and what came of it. Returns `text`. */
+static const char *tried(const link_set *set, char text[TRIED])
 {
-    char text[1024] = "";
-
+    text[0] = '\0';
     for (unsigned i = 0; i < set->count; i++) {
         const board *const b = &set->boards[i];
         const size_t used = strlen(text);
 
-        snprintf(text + used, sizeof(text) - used, "%s%s: opened %u times, last: %s", i ? "; " : "", b->port.text, b->port.opened,
+        snprintf(text + used, TRIED - used, "%s%s: opened %u times, last: %s", i ? "; " : "", b->port.text, b->port.opened,
                  b->port.why[0] ? b->port.why : b->state == BOARD_GREETED ? "no answer to hello" : "no line");
     }
-    die(EXIT_FAILED, "no board for %.0f s: %s", seconds, text);
+    return text;
+}
+
+/* No board for so long: told once, and at last given up. */
+static void lack(link_set *set, double seconds, int hope)
+{
+    char text[TRIED];
+
+    if (!hope || seconds > set->give_up) {
+        die(EXIT_FAILED, "no board for %.0f s: %s", seconds, tried(set, text));
+    }
+    if (seconds > SILENCE_TOLD && !set->told) {
+        set->told = 1;
+        fprintf(stderr, "kelly: no board for %.0f s, waiting for one at most %.6g s (--give-up): %s\n", seconds, set->give_up, tried(set, text));
+    }
 }
 
 void link_begin(link_set *set)
@@ -281,8 +296,9 @@ void link_wait(link_set *set, double seconds)
     }
     if (any) {
         set->ready = port_now();
-    } else if (!hope || now - set->ready > set->give_up) {
-        give_up(set, now - set->ready);
+        set->told = 0;
+    } else {
+        lack(set, now - set->ready, hope);
     }
     if (poll(lines, set->count, (int)(1000.0 * seconds + 0.999)) <= 0) {
         return;

@@ -48,6 +48,7 @@ typedef struct {
     board_events on;
     double give_up;               /* [s] without any board after which the run fails */
     double ready;                 /* when there was one last */
+    int told;                     /* that there is none since */
 } link_set;
 
 /* A board at this port; see port_parse. */

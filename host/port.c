@@ -78,6 +78,9 @@ static void parse_serial(port *p, const char *text)
     if (known == sizeof(speeds) / sizeof(speeds[0])) {
         die(EXIT_USAGE, "--port %s: %u baud is not offered; give 9600, 19200, 38400, 57600, 115200, 230400, 460800 or 921600", text, p->baud);
     }
+    if (access(p->where, F_OK) != 0) {   /* one that goes away later is waited for */
+        die(EXIT_USAGE, "--port %s: %s; plug the board in, or give its path, e.g. /dev/ttyACM0", text, strerror(errno));
+    }
 }
 
 void port_parse(port *p, const char *text, const char *image, const char *icount)

@@ -13,6 +13,7 @@ import tempfile
 from bench_board import ROOT, image
 from programs import PROGRAM
 
+WAITING = " s, waiting for one at most "   # told also of a good board, on a machine that is busy
 TEMPORARY = tempfile.TemporaryDirectory()
 
 
@@ -53,7 +54,7 @@ class Run:
 
     def one_line(self, status, *words):
         """Whether it ended with this status and one line that holds these words."""
-        lines = [text for text in self.err.splitlines() if not text.startswith("emulator: ")]
+        lines = [text for text in self.err.splitlines() if not text.startswith("emulator: ") and WAITING not in text]
         return self.status == status and len(lines) == 1 and lines[0].startswith("kelly: ") and all(w in lines[0] for w in words)
 
 

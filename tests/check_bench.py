@@ -6,6 +6,7 @@ usage: tests/check_bench.py [--float build/host/kelly] [--double build/host-doub
 Last line `N passed, N failed`.
 """
 import os
+import pty
 import random
 import signal
 import struct
@@ -17,7 +18,7 @@ import time
 import wits
 from bench_board import ROOT, image, link, loaded
 from bench_line import Between, again
-from bench_run import TEMPORARY, Faulty, Run, bytes_of, same_campaign
+from bench_run import TEMPORARY, WAITING, Faulty, Run, bytes_of, same_campaign
 from programs import PROGRAM
 from scenarios import run as run_scenarios
 
@@ -353,6 +354,8 @@ USAGE = ["", "--port nowhere", "--port qemu:nope", "--port qemu:../rv32", "--por
          "--port qemu:rv32 --mode realtime --overload 5", "--port qemu:rv32 --mode realtime --overload x:5", "--port qemu:rv32 --mode realtime --drive soft",
          "--port qemu:rv32 --mode realtime --policy no", "--port qemu:rv32 --mode realtime --stream-hz 1e-12", "--port qemu:rv32 --mode realtime --step 0.0005", "--port qemu:rv32 --mode lockstep --frame-ticks 0",
          "--port qemu:rv32 --mode lockstep --profile nothing", "--port qemu:rv32 --mode lockstep --profile Makefile", "--port qemu:rv32 --threads 2",
+         *(f"--port qemu:rv32 --icount {text}" for text in ("11", "shift=11", "shift=-1", "shift=1e1", "shift=08", "shift=", "nope", "sleep=off", "shift=5,sleep=maybe",
+                                                             "shift=5,", "shift=5,align=on,sleep=off", "shift=5" + 9 * ",sleep=on")),
          "--port qemu:rv32 --give-up 0", "--port qemu:rv32 --first 4294967295 --samples 1", "--port qemu:rv32 --mode lockstep --mu 1"]
 
 
@@ -407,7 +410,9 @@ def misuse():
     for words in USAGE:
         run = Run(words, files=False)
         yield run.one_line(2), f"'{words}': {run.status}, {run.said}"
-    for words in ("unix:/nonexistent/line", "tcp:127.0.0.1:1", "/dev/ttyNOTHERE"):
+    run = Run("--port /dev/ttyNOTHERE", files=False)
+    yield run.one_line(2, "--port /dev/ttyNOTHERE: No such file", "plug the board in") and WAITING not in run.err, f"a path that is not there: {run.said}"
+    for words in ("unix:/nonexistent/line", "tcp:127.0.0.1:1"):
         run = Run(f"--port {words} --give-up 0.5", files=False)
         yield run.one_line(1, "no board for", words), f"'{words}': {run.said}"
     with tempfile.TemporaryDirectory() as folder:
@@ -416,6 +421,18 @@ def misuse():
         os.symlink(os.path.join(ROOT, "linker"), os.path.join(folder, "linker"))
         done = subprocess.run([PROGRAM["float"], "bench", "--port", "qemu:rv32"], cwd=folder, capture_output=True, text=True, check=False)
         yield done.returncode == 2 and "make TARGET=rv32" in done.stderr, f"no image: {done.stderr}"
+
+
+def silent_line():
+    """A line on which nobody speaks: after two seconds what is waited for, once, and at last the reason."""
+    ours, theirs = pty.openpty()
+    for give_up, told in ((5, 1), (1, 0)):
+        run = Run(f"--port {os.ttyname(theirs)} --give-up {give_up} --samples 3", files=False)
+        waiting = [line for line in run.err.splitlines() if WAITING in line]
+        yield run.one_line(1, "no board for", os.ttyname(theirs), "no answer to hello"), f"a silent line: {run.said}"
+        yield len(waiting) == told and all(line.startswith("kelly: no board for") and f"at most {give_up} s (--give-up): {os.ttyname(theirs)}: opened 1 times" in line for line in waiting), f"it is told: {run.said}"
+    os.close(ours)
+    os.close(theirs)
 
 
 def scenarios():
@@ -436,7 +453,7 @@ def scenarios():
     yield "step on a bad line", step_on_a_bad_line, ()
     for mode in ("lockstep", "realtime"):
         yield f"cable pulled {mode}", cable_pulled, (mode,)
-    for scenario in (a_board_that_lies, counts_overloads, host_dies, takes_commands, shows_wits, garbage, does_not_fit, boards_that_do_not_agree, images_that_are_none, misuse):
+    for scenario in (a_board_that_lies, counts_overloads, host_dies, takes_commands, shows_wits, garbage, does_not_fit, boards_that_do_not_agree, images_that_are_none, silent_line, misuse):
         yield scenario.__name__.replace("_", " "), scenario, ()
 
 

@@ -34,7 +34,7 @@ BOARDS = ("stm32f405", "mps2-an500", "rv32", "microbit")   # that bench and benc
 CHECKS = {"map": (), "cli": (), "figures": (), "bench": ("three kinds", "in step", "host killed", "another case", "misuse"),
           "rare": ("bad_usage", "plain_level", "same_bits", "not_random"), "bench_device": ("campaign",), "nothing_lost": (), "drive": (),
           "plan": ("--mpi", "{mpi}"), "mpi": ("--mpi", "{mpi}"), "whatif": (), "sensitivity": (), "merge": (), "until": (),
-          "use": ("help", "options_are_told", "defaults", "install", "quiet", "progress", "colour", "ssi", "units", "field")}
+          "use": ("help", "options_are_told", "spelling", "defaults", "install", "quiet", "progress", "colour", "ssi", "units", "field")}
 PART = ("bench", "rare", "bench_device")
 count = {True: 0, False: 0}
 
