@@ -29,7 +29,8 @@ uint32_t plan_batch(uint32_t cores, uint32_t samples);
 /* Seconds until the first errand. */
 double plan_starting(const plan *p, uint32_t cores);
 
-/* Seconds of one simulated run, start-up included; the work in it, summed over the cores [s]. Costs about a tenth of a second. */
+/* Seconds of one simulated run, start-up included; the work in it, summed over the cores [s]. Costs a tenth of a second, and some
+ * seconds where cores are many. */
 double plan_simulate(const plan *p, uint32_t cores, uint32_t samples, double *worked);
 
 #endif

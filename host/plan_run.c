@@ -139,6 +139,25 @@ static double run_batch(simulation *s, uint32_t cores, uint32_t count, double st
     return fmax(end, s->leader) + count * s->p->leader;
 }
 
+/* The same where a batch has many more errands than ERRANDS: its beginning, twice of it, and more of what the second one has added. */
+static double run_part(simulation *s, uint32_t cores, uint32_t count, double start)
+{
+    const uint64_t half = (uint64_t)(ERRANDS / cores + 1) * cores * s->p->lanes;
+    const double before = s->worked;
+    double first, second, more, worked;
+
+    if (count <= 2 * half) {
+        return run_batch(s, cores, count, start);
+    }
+    first = run_batch(s, cores, (uint32_t)half, start) - start;
+    worked = s->worked - before;
+    second = run_batch(s, cores, (uint32_t)(2 * half), start) - start;
+    more = (double)(count - 2 * half) / (double)half;
+    s->worked -= worked;
+    s->worked += more * (s->worked - before - worked);
+    return start + second + more * (second - first);
+}
+
 uint32_t plan_batch(uint32_t cores, uint32_t samples)
 {
     const uint64_t size = job_batch(cores);
@@ -162,12 +181,12 @@ double plan_simulate(const plan *p, uint32_t cores, uint32_t samples, double *wo
         die(EXIT_FAILED, "out of memory");
     }
     for (uint32_t k = 0; k < batches; k++) {
-        time = run_batch(&s, cores, size, time);
+        time = run_part(&s, cores, size, time);
     }
     time *= (double)whole / batches;
     s.worked *= (double)whole / batches;
     if (rest > 0) {
-        time = run_batch(&s, cores, rest, time);
+        time = run_part(&s, cores, rest, time);
     }
     *worked = s.worked;
     free(s.ranks);
