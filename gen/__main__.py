@@ -43,7 +43,7 @@ def _arguments(argv):
 
 
 def generate(path, base=None):
-    """-> ({file name: text}, lines of the certificate). Raises WellError."""
+    """-> ({file name: text}, lines of the certificate, a WellError that is only to be told, or None). Raises WellError."""
     import well as well_
     well = well_.parse(_read(path))
 
@@ -65,7 +65,7 @@ def generate(path, base=None):
         raise well_.WellError(str(error)) from None
     base = base or well.name
     table, shapes = emit_c.emit(well, chain, reduction, stable, certificate, os.path.basename(path))
-    return {f"{base}.c": table, f"{base}_shapes.c": shapes}, certificate
+    return {f"{base}.c": table, f"{base}_shapes.c": shapes}, certificate, well_.lift_off(well)
 
 
 def _unsafe(stable):
@@ -124,7 +124,7 @@ def main(argv):
             import convergence
             convergence.report(well_.parse(_read(options.well)))
             return 0
-        files, certificate = generate(options.well, options.base)
+        files, certificate, warning = generate(options.well, options.base)
     except ImportError as error:
         return _fail(f"kelly gen: {sys.executable} has no {error.name}: expected Python 3.11 or later with numpy "
                      "(Debian: /usr/bin/python3 and python3-numpy)", 1)
@@ -134,6 +134,8 @@ def main(argv):
         write(options.out, files)
     except OSError as error:
         return _fail(f"kelly gen: {options.out}: cannot write: {error.strerror}", 1)
+    if warning:
+        print(well_.message(warning, options.well, _text(options.well)), file=sys.stderr)
     if options.show:
         print("\n".join(certificate))
     return 0

@@ -165,6 +165,15 @@ def _check_modes(well):
                             ("modes", key), asked)
 
 
+def lift_off(well):
+    """What to tell the owner of a well whose weight changes its sign at the means, or None. The model leaves out what the bit then does."""
+    if well.fc >= 1.01 * well.f0:
+        return None
+    key, text = next(item for item in well.inputs if item[0].startswith("case.wob_amplitude_"))
+    return WellError("warning: at the means the weight changes its sign (|fc| < 1.01 f0): the bit would lift off, which the model leaves out; "
+                     "it stays on below 0.99 of the weight", key.split("."), Decimal(text))
+
+
 # ---- pieces of the file
 
 def _only_keys(table, known, path):

@@ -200,6 +200,21 @@ def bad_command_lines(directory):
           "--as names the files")
 
 
+def lift_off(directory):
+    """A weight that changes its sign at the means is built, and told in one line; one that only just does not is no news."""
+    path = os.path.join(directory, "lift.toml")
+    for old, new, told in (("wob_amplitude_kN = 50.0", "wob_amplitude_kN = 99.1", True), ("wob_amplitude_kN = 50.0", "wob_amplitude_klbf = 30", True),
+                           ("wob_amplitude_kN = 50.0", "wob_amplitude_kN = 99.0", False)):
+        assert old in PAPER
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(PAPER.replace(old, new, 1).replace("step_s = 0.001", "step_s = 0.0005"))
+        ran = generate([path, "--out", directory], directory)
+        line = 1 + [row.startswith("wob_amplitude") for row in PAPER.split("\n")].index(True)
+        claim(ran.returncode == 0 and os.path.exists(os.path.join(directory, "paper.c")), f"{new}: built all the same: {ran.stderr!r}")
+        claim(ran.stderr.count("\n") == told and ran.stderr.startswith(f"kelly gen: {path}:{line}: case.{new}: warning: at the means the weight changes its sign"[:999 * told]),
+              f"{new}: told: {ran.stderr!r}")
+
+
 def mutations(number=4000):
     """Whatever happens to the text, parse() accepts it or raises WellError with a one-line message."""
     rng = random.Random(1)
@@ -231,6 +246,8 @@ def main():
         bad_files(directory)
     with tempfile.TemporaryDirectory() as directory:
         bad_command_lines(directory)
+    with tempfile.TemporaryDirectory() as directory:
+        lift_off(directory)
     mutations()
     print(f"{count[True]} passed, {count[False]} failed")
     return 1 if count[False] else 0
