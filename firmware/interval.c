@@ -9,6 +9,7 @@
 #define HALF_LOG_2PI W(0.91893853320467274178)
 #define TERMS 100000             /* bound of the continued fraction: enough for n = 1e9 */
 #define TINY W(1e-30)
+#define MOST W(1e12)             /* of the fraction, which stays below a + b */
 #define EPS (sizeof(wide) > sizeof(float) ? W(1e-16) : W(6e-8))
 #define HALVINGS (sizeof(wide) > sizeof(float) ? 60 : 30)
 
@@ -75,7 +76,7 @@ static wide fraction(wide a, wide b, wide x)
         c = above_zero(1 + odd / c);
         change = c * d;
         f *= change;
-        //@ admit converges: f <= 1e12;
+        f = f < MOST ? f : MOST;
         if (change - 1 < EPS && change - 1 > -EPS) {
             break;
         }

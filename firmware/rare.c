@@ -124,12 +124,16 @@ static uint32_t count_different(kelly_rare *rare, int finds, float *in_effect)
     all = (float)(int32_t)n;
     heap(rare->keys, n);
     /*@ loop invariant n <= rare->n;
+        loop invariant 0 <= same <= \at(n, LoopEntry) - n;
+        loop invariant 0 <= squares <= 2000000 * (\at(n, LoopEntry) - n - same);
         loop assigns n, different, last, squares, same, rare->keys[0 .. \at(rare->n, Pre) - 1]; */
     for (; n > 0; n--) {
         const uint32_t id = pop(rare->keys, n);
 
         if (different == 0 || id != last) {
             different++;
+            //@ assert few: 0 <= same <= 1000000;
+            //@ assert square: 0 <= same * same <= 1000000 * same;
             squares += same * same;
             same = 0.0f;
         }
@@ -137,6 +141,9 @@ static uint32_t count_different(kelly_rare *rare, int finds, float *in_effect)
         last = id;
     }
     squares += same * same;
+    //@ assert few: 0 <= all <= 1000000;
+    //@ assert all: 0 <= all * all <= 1000000 * all;
+    //@ assert effect: squares >= 1 ==> 0 <= all * all / squares <= all * all;
     *in_effect = squares >= 1.0f ? all * all / squares : 0.0f;
     return different;
 }
@@ -182,7 +189,7 @@ static void measure(kelly_rare *rare, float guide)
 {
     const uint32_t found = count_pairs(rare, 0, guide);
     kelly_rare_level *const level = now(rare);
-    wide p, gamma = 0;
+    wide p, spread, gamma = 0;
 
     level->guide = guide;
     level->inside = found;
@@ -191,13 +198,27 @@ static void measure(kelly_rare *rare, float guide)
         return;
     }
     p = (wide)found / (wide)rare->n;
+    spread = p * (1 - p);
+    //@ assert share: p * rare->n >= 0.999 && (1 - p) * rare->n >= 0.999;
+    //@ assert shares: p >= 0 && 1 - p >= 0;
+    //@ assert least: p * 1000000 >= 0.999 && (1 - p) * 1000000 >= 0.999;
+    //@ assert low: p <= 0.5 ==> spread >= 0.0000004;
+    //@ assert high: p >= 0.5 ==> spread >= 0.0000004;
     /*@ loop invariant 1 <= lag <= KELLY_RARE_STATES;
+        loop invariant -5000000 * (lag - 1) <= gamma <= 5000000 * (lag - 1);
         loop assigns lag, gamma; */
     for (uint32_t lag = 1; rare->level > 0 && lag < KELLY_RARE_STATES; lag++) {
         const wide both = (wide)count_pairs(rare, lag, guide) / (wide)(rare->n - lag * rare->chains);
+        const wide excess = both - p * p;
 
-        gamma += 2 * (1 - (wide)lag / (wide)KELLY_RARE_STATES) * (both - p * p) / (p * (1 - p));
+        //@ assert both: 0 <= both <= 1 && 0 <= p * p <= 1;
+        //@ assert excess: -1 <= excess <= 1 && spread >= 0.0000004;
+        //@ assert weight: 0 <= 2 * (1 - lag / 10.0) <= 2;
+        //@ assert weighed: -2 <= 2 * (1 - lag / 10.0) * excess <= 2;
+        //@ assert correlation: -5000000 <= 2 * (1 - lag / 10.0) * excess / spread <= 5000000;
+        gamma += 2 * (1 - (wide)lag / (wide)KELLY_RARE_STATES) * excess / spread;
     }
+    //@ assert alone: 0 <= (1 - p) / (p * rare->n) <= 1.01;
     level->variance = (1 - p) / (p * (wide)rare->n) * (1 + (gamma > 0 ? gamma : 0));
 }
 
@@ -295,7 +316,7 @@ static void settle(kelly_rare *rare)
     kelly_rare_level *const level = now(rare);
     uint32_t accepted = 0;
 
-    /*@ loop invariant \at(rare->first, Pre) <= i <= \at(rare->first, Pre) + \at(rare->count, Pre);
+    /*@ loop invariant \at(rare->first, Pre) <= i <= \at(rare->first, Pre) + \at(rare->count, Pre) && accepted <= i - \at(rare->first, Pre);
         loop assigns i, accepted, level->refused, rare->samples[0 .. \at(rare->n, Pre) - 1]; */
     for (uint32_t i = rare->first; i < rare->first + rare->count; i++) {
         level->refused += rare->samples[i].guide < 0.0f;
@@ -440,7 +461,7 @@ const char *kelly_rare_start(kelly_rare *rare, const float cov[KELLY_PARAMETERS]
         return "nothing is random: P is 0 or 1; give a coefficient of variation";
     }
     //@ assert tenths: n / KELLY_RARE_STATES * KELLY_RARE_STATES == n && n / KELLY_RARE_STATES % QUARTERS == 0;
-    *rare = (kelly_rare){ .step = FIRST_STEP };
+    *rare = (kelly_rare){ .level = 0 };
     rare->seed = seed;
     rare->n = n;
     rare->chains = n / KELLY_RARE_STATES;
@@ -448,7 +469,11 @@ const char *kelly_rare_start(kelly_rare *rare, const float cov[KELLY_PARAMETERS]
     rare->keys = keys;
     rare->level = 0;                                       /* WP cannot look into the literal */
     rare->leads = 0;
+    rare->straight = 0;
+    rare->straight_accepted = 0;
+    rare->step = FIRST_STEP;
     //@ assert begun: rare->n == n && rare->chains == n / KELLY_RARE_STATES && rare->samples == samples && rare->keys == keys && rare->level == 0 && rare->leads == 0;
+    //@ assert paced: rare->straight == 0 && rare->straight_accepted == 0 && 0.01 <= rare->step <= 1;
     /*@ loop invariant k <= KELLY_PARAMETERS;
         loop assigns k, rare->cov[0 .. KELLY_PARAMETERS - 1]; */
     for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {

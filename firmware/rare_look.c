@@ -35,6 +35,8 @@ void kelly_rare_look(kelly_rare *look, const kelly_rare_hint *hint, unsigned mod
         loop invariant look->samples == \at(look->samples, Pre) && look->keys == \at(look->keys, Pre);
         loop invariant look->count > 0 ==> look->first + look->count <= look->n;
         loop invariant look->count > 0 && look->level > 0 ==> look->first >= look->chains && look->quarter < 4 && 1 <= look->at < KELLY_RARE_STATES;
+        loop invariant look->count > 0 ==> look->straight_accepted <= look->straight <= (look->level > 0 ? 100000 * look->at : 0) && 0.01 <= look->step <= 1;
+        loop invariant look->count > 0 && look->level > 0 ==> look->count == look->chains / 4;
         loop assigns *look, *(\at(look->samples, Pre) + (0 .. \at(look->n, Pre) - 1)), *(\at(look->keys, Pre) + (0 .. \at(look->n, Pre) - 1)); */
     while (kelly_rare_count(look) > 0 && reached(look) >= least) {
         /*@ loop invariant \at(look->first, LoopEntry) <= i <= \at(look->first, LoopEntry) + \at(look->count, LoopEntry);
@@ -67,8 +69,10 @@ void kelly_rare_look(kelly_rare *look, const kelly_rare_hint *hint, unsigned mod
 
 void kelly_rare_see(const kelly_rare *look, kelly_rare_seen *seen)
 {
-    *seen = (kelly_rare_seen){ .tried = look->count };
-    /*@ loop invariant i <= look->count;
+    *seen = (kelly_rare_seen){ .probability = 0 };
+    seen->tried = look->count;
+    seen->failed = 0;                                      /* WP cannot look into the literal */
+    /*@ loop invariant seen->failed <= i <= look->count;
         loop assigns i, seen->failed; */
     for (uint32_t i = 0; i < look->count; i++) {
         seen->failed += kelly_rare_failed(&look->samples[i]) ? 1u : 0u;
@@ -76,6 +80,8 @@ void kelly_rare_see(const kelly_rare *look, kelly_rare_seen *seen)
     if (seen->failed > 0) {
         const wide share = (wide)seen->failed / (wide)seen->tried;
         kelly_rare_estimate of;
+
+        //@ assert share: 0 < share <= 1;
 
         kelly_rare_read(look, &of);
         seen->probability = of.probability * share;
@@ -90,7 +96,7 @@ static wide share_seen(const kelly_rare *rare, const kelly_rare_hint *hint, unsi
     uint32_t failed = 0, seen = 0;
     wide share;
 
-    /*@ loop invariant seen <= failed <= i <= rare->n;
+    /*@ loop invariant seen <= failed <= i <= rare->n && ((\exists integer j; 0 <= j < i && rare->samples[j].guide >= KELLY_RARE_FAILED) ==> failed > 0);
         loop assigns i, failed, seen; */
     for (uint32_t i = 0; i < rare->n; i++) {
         if (kelly_rare_failed(&rare->samples[i])) {
@@ -99,6 +105,7 @@ static wide share_seen(const kelly_rare *rare, const kelly_rare_hint *hint, unsi
         }
     }
     share = (wide)seen / (wide)failed;
+    //@ assert share: 0 <= share <= 1;
     *most = share + SURE * (wide)kelly_sqrt32((float)(share * (1 - share) / (wide)rare->finds)) + W(3.0) / (wide)rare->finds;
     return share;
 }

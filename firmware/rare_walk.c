@@ -89,7 +89,8 @@ void kelly_rare_aim(kelly_rare *rare)
 {
     float sum = 0.0f, squares = 0.0f, n = 0.0f, mean, variance;
 
-    /*@ loop invariant i <= rare->chains;
+    /*@ loop invariant n <= i <= rare->chains;
+        loop invariant -2000000 * n <= sum <= 2000000 * n && 0 <= squares <= 2000000000000 * n && (n == 0 || n >= 1);
         loop assigns i, sum, squares, n; */
     for (uint32_t i = 0; i < rare->chains; i++) {
         const kelly_rare_sample *const seed = &rare->samples[i];
@@ -97,12 +98,16 @@ void kelly_rare_aim(kelly_rare *rare)
         if (!kelly_rare_failed(seed) && seed->guide > LEAST) {
             const float ratio = kelly_log32(seed->guide) - kelly_rare_guess(rare->hint, seed->x);
 
+            //@ assert apart: -1000100 <= ratio <= 1000100;
+            //@ assert square: 0 <= ratio * ratio <= 1000200010000;
             sum += ratio;
             squares += ratio * ratio;
             n += 1.0f;
         }
     }
     mean = n > 0.0f ? sum / n : 0.0f;
+    //@ assert mean: -2000000 <= mean <= 2000000;
     variance = n > 0.0f ? squares / n - mean * mean : 0.0f;
+    //@ assert scatter: n > 0 ==> 0 <= squares / n <= 2000000000000 && 0 <= mean * mean;
     rare->hint_level = kelly_log32(rare->guide > LEAST ? rare->guide : LEAST) - mean - (variance > 0.0f ? kelly_sqrt32(variance) : 0.0f);
 }

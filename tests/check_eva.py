@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
 """No run-time error, proved: Frama-C's Eva over the kernel, the samplers, the codecs and the device program, and WP where Eva cannot see.
 
-usage: [EVA_JOBS=2] tests/check_eva.py [--double] [--weights] [DRIVER...]
+usage: [EVA_JOBS=2] tests/check_eva.py [--double] [--rest] [DRIVER...]
+       tests/check_eva.py --levels
 
 Each driver of tests/eva calls public functions with inputs that stand for every value of their documented ranges. A claim is
 that nothing is open: no alarm (memory, overflow, shift, division, uninitialised value, non-finite float), no contract in doubt. Every function of the
 files under proof is reached by one driver or another; statements that none reaches are printed. Then faults are planted in copies:
-each has to be found. What is taken for granted is printed as well. --double: the drivers with real = double, and no more than they. --weights:
-those that take slices of the weight on the rock, with all the slices that they leave out else (tests/eva/torque.h), and no more.
+each has to be found. What is taken for granted is printed as well. --double: the drivers with real = double, and no more than they. --rest: what
+the drivers leave out else of slices of the weight on the rock and of the rock's law (tests/eva/torque.h) and of counts of modes, and no more. --levels: what WP
+proves of the levels of rare events, whatever their size, and the faults planted there, and no more.
 """
 import concurrent.futures
 import os
@@ -19,8 +21,8 @@ import sys
 sys.dont_write_bytecode = True
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 EVA = os.path.join(ROOT, "tests", "eva")
-DOUBLE, WEIGHTS = "--double" in sys.argv[1:], "--weights" in sys.argv[1:]
-OUT = os.path.join(ROOT, "build", "eva" + "-weights" * WEIGHTS + "-double" * DOUBLE)
+DOUBLE, REST, LEVELS = (option in sys.argv[1:] for option in ("--double", "--rest", "--levels"))
+OUT = os.path.join(ROOT, "build", "eva" + "-rest" * REST + "-double" * DOUBLE + "-levels" * LEVELS)
 JOBS = int(os.environ.get("EVA_JOBS", "1"))     # drivers at a time
 
 LINK = "link/crc32c link/frame link/keys link/messages link/wits link/fields".split()
@@ -88,9 +90,9 @@ DRIVERS = {
               "-eva-use-spec kelly_sin_turn"),
 }
 # what each file needs besides eva.h
-FLAGS = {"step": "-include torque.h", "turns": "-include torque.h -DKELLY_VECTORS=4", "driven": "-include torque.h",
+FLAGS = {"step": "-include torque.h", "turns": "-DSLICES_A=1 -include torque.h -DKELLY_VECTORS=4", "driven": "-include torque.h",
          **dict.fromkeys(("unpacking", "round trip"), " -include receiver.h"),
-         **dict.fromkeys(("level", "next level", "seeds", "look at a mode"), " -include levels.h")}
+         **dict.fromkeys(("lemmas", "level", "next level", "look at a mode"), " -include levels.h"), "seeds": " -DEVA_LOG32 -include levels.h"}
 
 # name: (files, functions, options, options where a fault is planted): goals of WP, run-time errors included. Split: a branch of a loop's
 # body, a goal. Where a fault is planted a goal has as long as the sound program's goals do not take.
@@ -102,14 +104,15 @@ WP = {
     "unpacking": (["firmware/link/frame", "tests/eva/roundtrip"], "append,kelly_receive", SPLIT, SPLIT + " -wp-timeout 10"),
     "round trip": (["firmware/link/frame", "tests/eva/roundtrip"], "round_trip", SPLIT, SPLIT + " -wp-prop one -wp-timeout 30"),
     "heap": (["firmware/rare"], "sink,heap,pop", SPLIT, SPLIT + " -wp-timeout 5"),
+    "lemmas": (["firmware/rare"], "", INDICES + " -wp-prop @lemma", INDICES + " -wp-prop @lemma -wp-timeout 5"),
     "ring": (["firmware/app/out"], "send_one,out_defer,out_pump,out_room,out_byte", "-wp-timeout 40", "-wp-timeout 10"),
     "level": (["firmware/rare"], "kth_guide,count_different,know_failures,inside,count_pairs,measure,choose_seeds,key_move,is_led,propose,draw_all,"
-              "descend,settle,kelly_rare_failed,kelly_rare_count,kelly_rare_start,kelly_rare_lead", INDICES + BY_EVA, INDICES + " -wp-prop span,hinted -wp-timeout 10"),
+              "descend,settle,kelly_rare_failed,kelly_rare_count,kelly_rare_start,kelly_rare_lead", INDICES + BY_EVA, INDICES + " -wp-prop span,hinted,share -wp-timeout 10"),
     "next level": (["firmware/rare"], "now,adapt,judge,judge_failures,end_level,next_level,kelly_rare_accept", INDICES + BY_EVA,
                    INDICES + " -wp-prop turn -wp-timeout 15"),
     "seeds": (["firmware/rare_walk"], "kelly_rare_aim", INDICES + BY_EVA, INDICES + " -wp-timeout 10"),
     "look at a mode": (["firmware/rare_look"], "enough_of,reached,kelly_rare_look,kelly_rare_see,share_seen", INDICES + BY_EVA,
-                       INDICES + " -wp-prop front -wp-timeout 10"),
+                       INDICES + " -wp-prop front,share -wp-timeout 10"),
 }
 
 # What the proofs take for granted, besides Frama-C itself.
@@ -121,13 +124,14 @@ ASSUMED = [
     "draws within what string_model.h says of mu (fc + f0), a1, a2, w0; h w0 within 2.8 rad a step (kelly_realise)",
     "a step starts from a state within bounds: stages up to 1e7 rad/s, and a lever h/2 (sum of b^2) that fits the weight as "
     "kelly_realise has it; that RK4 stays within them is its stability, and is checked at run time (kelly_block_sane)",
-    "steps of 2 beta and more; weights between a lightest and a heaviest slice are left to --weights; of four vectors one slice of a2",
+    "steps of 2 beta and more; weights between a lightest and a heaviest slice, counts of modes between 1 and all, and all slices of a2 but one where there are four "
+    "vectors are left to --rest",
     "under a soft drive or a commanded top: what a step moves belongs together as tests/eva/driven.c has it (kelly_realise)",
-    "plant.h: mu within 3 m, f0 within 5e5 N; readings of a sane string, speeds within 1e6 rad/s, modal values within 1e15; 1, 2 and all modes stand for the numbers between",
+    "plant.h: mu within 3 m, f0 within 5e5 N; readings of a sane string, speeds within 1e6 rad/s, modal values within 1e15",
     "ensemble.h: propagators are stubs there",
-    "tally.h: the continued fraction of the incomplete beta function, times a probability a probability, stays within 1e12 (admitted in interval.c)",
-    "rare.h: memory and indices are proved for a level of any size (WP, floats as reals; not that a loop ends), "
-    "values for one of 40 samples (a look's of 4), as sums over 1000000 stay within 1e17; tests/eva/levels.h is taken at its word of "
+    "rare.h: memory, indices and what is summed or divided over the samples of a level are proved for a level of any size (WP, floats as reals, "
+    "with room for their rounding; not that a loop ends), all other values with 40 samples (a look's with 4); a run that is done has a failure "
+    "among its samples, and what was measured of a level stays; tests/eva/levels.h is taken at its word of "
     "kelly_rare_move, kelly_rare_guess, kelly_rare_resonance, kelly_rare_product, kelly_rare_read, kelly_rng_key, kelly_gamma_normal, kelly_splitmix64; a walk stays within |x| of 1000, as "
     "9.3 sqrt(1 + moves) is all that 11 levels of 9 led moves of 8 steps make; hints within 1e6, a level of them within 1e9, variances of a level within 1e9",
     "rare.h: speeds of 0.01 rad/s and more, under a guide or hint that lies within the ranges of string_model.h",
@@ -143,6 +147,9 @@ PLANTED = {
     "a child beyond the heap": ("heap", "firmware/rare.c", "child + 1 < n && keys[child + 1]", "child + 1 <= n && keys[child + 1]"),
     "a chain beyond the last": ("level", "firmware/rare.c", "rare->at * rare->chains + from;", "rare->at * rare->chains + from + 1;"),
     "a hint that nobody gave": ("level", "firmware/rare.c", "return rare->leads && rare->at", "return rare->at"),
+    "a spread of all": ("level", "firmware/rare.c", "if (found == rare->n || found == 0) {", "if (found == 0) {"),
+    "a mean of none": ("seeds", "firmware/rare_walk.c", "mean = n > 0.0f ? sum / n : 0.0f;", "mean = sum / n;"),
+    "a share of none": ("look at a mode", "firmware/rare_look.c", "if (seen->failed > 0) {", "{"),
     "a seed beyond the front": ("look at a mode", "firmware/rare_look.c", "i < look->n && kept < most", "i <= look->n && kept < most"),
     "a state beyond the last": ("next level", "firmware/rare.c", "rare->at + 1 < KELLY_RARE_STATES", "rare->at < KELLY_RARE_STATES"),
     "seeds beyond the samples": ("seeds", "firmware/rare_walk.c", "i < rare->chains; i++", "i <= rare->n; i++"),
@@ -204,10 +211,11 @@ def eva(root, name, driver, more=""):
 
 
 def open_ones(lines):
-    """Alarms and contracts in doubt. Contracts that a driver uses (contracts.h) are proved by another, what a function ensures and what a
-    loop keeps in a file of WP by that; `reachability` is no property of the program."""
+    """Alarms and contracts in doubt. Contracts that a driver uses (contracts.h) are proved by another, what a function ensures, what a
+    loop keeps and what has a name in a file of WP by that; `reachability` is no property of the program."""
     by_wp = "|".join(re.escape(f"{files[0]}.c") for files, *_ in WP.values())
-    found = [line[5:] for line in lines if line.startswith("open ") and not re.match(rf"open (?:{by_wp}):\d+ (ensures|(for given: )?loop invariant) ", line)]
+    proved = rf"open (?:{by_wp}):\d+ (ensures|(for given: )?loop invariant|assert [a-z]+:) "
+    found = [line[5:] for line in lines if line.startswith("open ") and not re.match(proved, line)]
     return [f for f in found if not re.search(" reachability (of|post) ", f) and not f.startswith(USED)
             and not re.match(r"\S+ (default behavior|behavior given$|assigns )", f)]
 
@@ -248,7 +256,7 @@ def wp(root, name, planted=False):
     directory = os.path.join(OUT, "wp-" + name.replace(" ", "-"))
     os.makedirs(directory, exist_ok=True)
     text = frama_c(root, directory, [os.path.join(root, file + ".c") for file in files],
-                   ["-wp", "-wp-rte", "-wp-fct", functions, "-wp-prover", "z3,cvc4", *options[planted].split()],
+                   ["-wp", "-wp-rte", *["-wp-fct", functions] * bool(functions), "-wp-prover", "z3,cvc4", *options[planted].split()],
                    "-include contracts.h" + FLAGS.get(name, ""))
     with open(os.path.join(directory, "log.txt"), "w", encoding="utf-8") as file_:
         file_.write(text)
@@ -256,9 +264,11 @@ def wp(root, name, planted=False):
     return (int(found[1]), int(found[2])) if found else (0, 0)
 
 
-def slices():
-    """(driver, flags) of the weights that a driver leaves out: from 2^4 and 2^26 on, inwards."""
-    return [(driver, f" -DLEAST_M={2.0 ** k} -DLARGEST_M={2.0 ** (30 - k)}") for k in range(4, 16) for driver in ("torque", "step", "turns", "driven")]
+def rest():
+    """(driver, flags) of what a driver leaves out: weights from 2^4 and 2^26 on, inwards; laws; counts of modes."""
+    laws = " -USLICES_A -DSLICES_A=9"
+    weights = [f" -DLEAST_M={2.0 ** k} -DLARGEST_M={2.0 ** (30 - k)}" for k in range(4, 16)]
+    return [("plant", " -DFURTHER=1"), *[("turns", laws + of) for of in ["", *weights]], *[(d, of) for of in weights for d in ("torque", "step", "driven")]]
 
 
 def prove(runs):
@@ -279,22 +289,33 @@ def prove(runs):
     return coverage, alarms, valid
 
 
+def contracts():
+    """Names of what WP proves in this run."""
+    return [name for name, (_, _, usual, _) in WP.items() if (INDICES in usual) == LEVELS]
+
+
 def prove_contracts(coverage):
     """What WP proves; (goals proved, goals)."""
     proved = goals = 0
-    for name, (files, functions, usual, _) in WP.items():
+    for name in contracts():
+        files, functions, usual, _ = WP[name]
         p, g = wp(ROOT, name, planted=True)
         claim(p == g and g > 0, f"WP: {name}: {p} of {g} goals in the time that a planted fault has: it might be found for that alone")
         p, g = wp(ROOT, name)
         if claim(p == g and g > 0, f"WP: {name}: {p} of {g} goals") and INDICES not in usual:      # what values there are is Eva's to say
             coverage.reached.update(coverage.all & {f"{function} {files[0]}.c" for function in functions.split(",")})
         proved, goals = proved + p, goals + g
+    return proved, goals
+
+
+def check_contracts():
+    """Whatever promises something is proved by one entry of WP or another, or said to be assumed."""
     for file in sorted({files[0] for files, *_ in WP.values()}):
         with open(os.path.join(ROOT, file + ".c"), encoding="utf-8") as source:
             text = source.read()
         promising = re.findall(r"ensures [^*]*\*/\n[\w *]*?\**(\w+)\(", text)
         bodies = re.findall(r"^[a-z][\w *]*?\**(\w+)\([^;{]*\n\{\n(.*?)^\}", text, re.M | re.S)
-        promising += [function for function, body in bodies if "loop invariant" in body]
+        promising += [function for function, body in bodies if re.search("loop invariant|//@ assert [a-z]+:", body)]
         done = [function for files, functions, *_ in WP.values() if files[0] == file for function in functions.split(",")]
         claim(set(promising) <= set(done), f"WP: {file}: {promising} promise something, {done} are proved")
     with open(os.path.join(EVA, "levels.h"), encoding="utf-8") as header:
@@ -302,7 +323,6 @@ def prove_contracts(coverage):
     done = {function for _, functions, *_ in WP.values() for function in functions.split(",")}
     left = [function for function in promising if function not in done and function not in " ".join(ASSUMED)]
     claim(promising and not left, f"WP: levels.h promises something of {left}, which is neither proved nor said to be assumed")
-    return proved, goals
 
 
 def cover(coverage):
@@ -315,10 +335,14 @@ def cover(coverage):
     return reached, statements
 
 
+def planted():
+    return {name: fault for name, fault in PLANTED.items() if fault[0] in contracts() or not LEVELS and fault[0] in DRIVERS}
+
+
 def faults():
     found = 0
     copy = os.path.join(OUT, "planted")
-    for name, (where, path, old, new) in PLANTED.items():
+    for name, (where, path, old, new) in planted().items():
         shutil.rmtree(copy, ignore_errors=True)
         for part in ("firmware", "tests/eva"):
             shutil.copytree(os.path.join(ROOT, part), os.path.join(copy, part))
@@ -338,12 +362,18 @@ def faults():
 
 def main():
     only = [name for name in sys.argv[1:] if not name.startswith("--")]
-    runs = slices() if WEIGHTS else [(name, "") for name in only or DRIVERS]
-    if shutil.which("why3"):
+    runs = [] if LEVELS else rest() if REST else [(name, "") for name in only or DRIVERS]
+    if shutil.which("why3"):      # a list of provers of our own: another run beside this one may be writing its
+        os.makedirs(OUT, exist_ok=True)
+        os.environ["WHY3CONFIG"] = os.path.join(OUT, "why3.conf")
         subprocess.run(["why3", "config", "detect"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
     coverage, alarms, valid = prove(runs)
-    if WEIGHTS:
-        what = f"figure: proof by Eva{' in double' * DOUBLE}, slices of the weight between those of the other run"
+    if LEVELS:
+        proved, goals = prove_contracts(coverage)
+        print(f"figure: proof by WP, levels of rare events of any size, goals proved: {proved} of {goals}")
+        print(f"figure: proof by WP, levels of rare events of any size, planted faults found: {faults()} of {len(planted())}")
+    elif REST:
+        what = f"figure: proof by Eva{' in double' * DOUBLE}, what the other run leaves out"
         print(f"{what}, alarms with -warn-special-float non-finite: {alarms}")
         print(f"{what}, properties proved by {len(runs)} runs: {valid}")
     elif DOUBLE:
@@ -351,6 +381,7 @@ def main():
         print(f"figure: proof by Eva in double, properties proved by {len(runs)} of {len(DRIVERS)} drivers: {valid}")
     elif not only:
         proved, goals = prove_contracts(coverage)
+        check_contracts()
         reached, statements = cover(coverage)
         found = faults()
         for text in ASSUMED:
@@ -364,7 +395,7 @@ def main():
         print(f"figure: proof by Eva, statements reached: {reached} of {statements}")
         print(f"figure: proof by Eva, properties proved: {valid}")
         print(f"figure: proof by WP, goals proved: {proved} of {goals}")
-        print(f"figure: proof, planted faults found: {found} of {len(PLANTED)}")
+        print(f"figure: proof, planted faults found: {found} of {len(planted())}")
     print(f"{count[True]} passed, {count[False]} failed")
     return count[False] != 0
 

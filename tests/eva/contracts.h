@@ -40,7 +40,8 @@ wide kelly_exp(wide x);
 
 /*@ requires argument: \is_finite(x) && x >= 0;
     assigns \result \from x;
-    ensures \is_finite(\result) && 0 <= \result <= 0x1p64; */
+    ensures \is_finite(\result) && 0 <= \result <= 0x1p64;
+    ensures x <= 4000000000000 ==> \result <= 4000000; */
 float kelly_sqrt32(float x);
 
 /*@ requires \valid(rng);

@@ -1,5 +1,7 @@
 /* levels.h - for WP: a level of rare.h of any size, and what each function of rare.c and rare_look.c, and kelly_rare_aim, asks of it and leaves
- * of it. Of memory and indices only: floats are taken as reals, and what values they have is Eva's to say (tests/eva/rare.c, look.c, walk.c). */
+ * of it: of memory, of indices, and of what is summed or divided over samples. Floats are taken as reals. Bounds leave room for what rounding
+ * adds: 1000000 floats summed lose less than 7 %. All other values are Eva's to say (tests/eva/rare.c, look.c, walk.c). Large numbers are
+ * written out, as WP reads 4e6 as 4.6. */
 #ifndef KELLY_EVA_LEVELS_H
 #define KELLY_EVA_LEVELS_H
 
@@ -13,15 +15,21 @@
     predicate span(kelly_rare *r) = r->first + r->count <= r->n && (r->level > 0 ==> r->first >= r->chains);
     predicate turn(kelly_rare *r) = r->quarter < 4 && 1 <= r->at < KELLY_RARE_STATES;
     predicate ready(kelly_rare *r) = span(r) && (r->level > 0 ==> turn(r));
+    predicate paced(kelly_rare *r) = r->straight_accepted <= r->straight <= (r->level > 0 ? 100000 * r->at : 0) && 0.01 <= r->step <= 1;
+    predicate going(kelly_rare *r) = ready(r) && paced(r) && (r->level > 0 ==> r->count == r->chains / 4);
+    lemma apart: \forall real a, b; -100 <= a <= 100 && -1000000 <= b <= 1000000 ==> 0 <= (a - b) * (a - b) <= 1000200010000;
+    lemma few: \forall real x; 0 <= x <= 1000000 ==> 0 <= x * x <= 1000000 * x;
 */
 /*@ requires sized(rare) && held(rare) && 1 <= k <= rare->n;
     assigns rare->keys[0 .. rare->n - 1]; */
 static float kth_guide(kelly_rare *rare, uint32_t k);
 /*@ requires \valid_read(sample);
-    assigns \nothing; */
+    assigns \nothing;
+    ensures \result != 0 <==> sample->guide >= KELLY_RARE_FAILED; */
 int kelly_rare_failed(const kelly_rare_sample *sample);
 /*@ requires sized(rare) && held(rare) && \valid(in_effect);
-    assigns rare->keys[0 .. rare->n - 1], *in_effect; */
+    assigns rare->keys[0 .. rare->n - 1], *in_effect;
+    ensures 0 <= *in_effect <= 1100000000000; */
 static uint32_t count_different(kelly_rare *rare, int finds, float *in_effect);
 /*@ requires i < rare->n && held(rare);
     assigns \nothing;
@@ -29,7 +37,7 @@ static uint32_t count_different(kelly_rare *rare, int finds, float *in_effect);
 static int inside(const kelly_rare *rare, uint32_t i, float guide);
 /*@ requires sized(rare) && held(rare) && lag < KELLY_RARE_STATES;
     assigns \nothing;
-    ensures \result <= rare->n; */
+    ensures \result <= rare->n - lag * rare->chains; */
 static uint32_t count_pairs(const kelly_rare *rare, uint32_t lag, float guide);
 /*@ requires sized(rare) && held(rare);
     assigns \nothing;
@@ -37,7 +45,7 @@ static uint32_t count_pairs(const kelly_rare *rare, uint32_t lag, float guide);
 static kelly_rare_level *now(kelly_rare *rare);
 /*@ requires \valid_read(rare);
     assigns \nothing;
-    ensures hinted: \result != 0 ==> rare->leads != 0; */
+    ensures hinted: \result != 0 ==> rare->leads != 0 && rare->at % 3 != 0; */
 static int is_led(const kelly_rare *rare);
 /*@ requires sized(rare) && held(rare) && \valid_read(hint);
     assigns rare->hint, rare->leads;
@@ -65,7 +73,7 @@ uint64_t kelly_splitmix64(uint64_t *state);
 /*@ requires sized(rare) && held(rare) && rare->level > 0;
     requires turn: turn(rare);
     assigns rare->first, rare->count, rare->realisations, rare->samples[rare->chains .. rare->n - 1];
-    ensures span(rare); */
+    ensures span(rare) && rare->count == rare->chains / 4; */
 static void propose(kelly_rare *rare);
 /*@ requires sized(rare) && held(rare);
     assigns rare->first, rare->count, rare->realisations, rare->samples[0 .. rare->n - 1];
@@ -75,25 +83,29 @@ static void draw_all(kelly_rare *rare);
     requires n <= KELLY_RARE_MAX ==> \valid(samples + (0 .. n - 1)) && \valid(keys + (0 .. n - 1)) &&
       \separated(rare, samples + (0 .. n - 1), keys + (0 .. n - 1)) && \separated(cov + (0 .. KELLY_PARAMETERS - 1), samples + (0 .. n - 1));
     assigns *rare, samples[0 .. n - 1];
-    ensures \result == \null ==> sized(rare) && held(rare) && ready(rare) && rare->n == n; */
+    ensures \result == \null ==> sized(rare) && held(rare) && going(rare) && rare->n == n; */
 const char *kelly_rare_start(kelly_rare *rare, const float cov[KELLY_PARAMETERS], uint64_t seed, uint32_t n,
                              kelly_rare_sample *samples, uint32_t *keys);
 /*@ requires sized(rare) && held(rare) && i < rare->n && (rare->level > 0 ==> i >= rare->chains);
     assigns rare->samples[i].find; */
 static void descend(kelly_rare *rare, uint32_t i);
-/*@ requires sized(rare) && held(rare) && span(rare);
-    assigns rare->levels[0 .. KELLY_RARE_LEVELS - 1], rare->straight, rare->straight_accepted, rare->samples[0 .. rare->n - 1]; */
+/*@ requires sized(rare) && held(rare) && going(rare);
+    assigns rare->levels[0 .. KELLY_RARE_LEVELS - 1], rare->straight, rare->straight_accepted, rare->samples[0 .. rare->n - 1];
+    ensures rare->straight_accepted <= rare->straight <= (rare->level > 0 ? 100000 * (rare->at + 1) : 0);
+    ensures rare->level > 0 && rare->at % 3 == 0 ==> rare->straight > 0; */
 static void settle(kelly_rare *rare);
 
 /*@ requires sized(rare) && held(rare);
-    assigns rare->keys[0 .. rare->n - 1], rare->distinct, rare->finds; */
+    assigns rare->keys[0 .. rare->n - 1], rare->distinct, rare->finds;
+    ensures 0 <= rare->finds <= 1100000000000; */
 static void know_failures(kelly_rare *rare);
 /*@ requires sized(rare) && held(rare);
-    assigns rare->levels[0 .. KELLY_RARE_LEVELS - 1]; */
+    assigns rare->levels[0 .. KELLY_RARE_LEVELS - 1];
+    ensures rare->levels[rare->level].inside <= rare->n && 0 <= rare->levels[rare->level].variance <= 1000000000; */
 static void measure(kelly_rare *rare, float guide);
-/*@ requires sized(rare) && held(rare);
+/*@ requires sized(rare) && held(rare) && rare->straight_accepted <= rare->straight && 0 < rare->straight <= 1000000 && 0.01 <= rare->step <= 1;
     assigns rare->levels[0 .. KELLY_RARE_LEVELS - 1], rare->straight, rare->straight_accepted, rare->leads, rare->step;
-    ensures held(rare); */
+    ensures held(rare) && rare->straight == 0 && rare->straight_accepted == 0 && 0.01 <= rare->step <= 1; */
 static void adapt(kelly_rare *rare);
 /*@ requires sized(rare) && held(rare);
     assigns \nothing; */
@@ -110,16 +122,17 @@ wide kelly_rare_product(const kelly_rare *rare);
     ensures \result == KELLY_RARE_RUNNING ==> rare->level + 1 < KELLY_RARE_LEVELS; */
 static kelly_rare_state end_level(kelly_rare *rare);
 /*@ requires sized(rare) && held(rare) && rare->leads != 0;
-    assigns rare->hint_level; */
+    assigns rare->hint_level;
+    ensures -1000000000 <= rare->hint_level <= 1000000000; */
 void kelly_rare_aim(kelly_rare *rare);
-/*@ requires sized(rare) && held(rare);
+/*@ requires sized(rare) && held(rare) && rare->straight == 0 && rare->straight_accepted == 0 && 0.01 <= rare->step <= 1;
     assigns *rare, rare->samples[0 .. rare->n - 1], rare->keys[0 .. rare->n - 1];
-    ensures sized(rare) && held(rare) && (rare->count > 0 ==> ready(rare));
+    ensures sized(rare) && held(rare) && (rare->count > 0 ==> going(rare));
     ensures rare->n == \old(rare->n) && rare->chains == \old(rare->chains) && rare->samples == \old(rare->samples) && rare->keys == \old(rare->keys); */
 static void next_level(kelly_rare *rare);
-/*@ requires sized(rare) && held(rare) && (rare->count > 0 ==> ready(rare));
+/*@ requires sized(rare) && held(rare) && (rare->count > 0 ==> going(rare));
     assigns *rare, rare->samples[0 .. rare->n - 1], rare->keys[0 .. rare->n - 1];
-    ensures sized(rare) && held(rare) && (rare->count > 0 ==> ready(rare));
+    ensures sized(rare) && held(rare) && (rare->count > 0 ==> going(rare));
     ensures rare->n == \old(rare->n) && rare->chains == \old(rare->chains) && rare->samples == \old(rare->samples) && rare->keys == \old(rare->keys); */
 void kelly_rare_accept(kelly_rare *rare);
 /*@ requires \valid_read(rare);
@@ -130,7 +143,8 @@ uint32_t kelly_rare_count(const kelly_rare *rare);
     assigns \nothing; */
 float kelly_rare_resonance(const kelly_rare_hint *hint, const float x[KELLY_PARAMETERS], unsigned mode);
 /*@ requires \valid_read(x + (0 .. 4)) && \valid_read(hint);
-    assigns \nothing; */
+    assigns \nothing;
+    ensures -1000000 <= \result <= 1000000; */
 float kelly_rare_guess(const kelly_rare_hint *hint, const float x[KELLY_PARAMETERS]);
 /*@ requires \valid_read(hint) && \valid_read(hint->run);
     assigns \nothing; */
@@ -138,7 +152,7 @@ static float enough_of(const kelly_rare_hint *hint);
 /*@ requires sized(look) && held(look);
     assigns \nothing; */
 static wide reached(const kelly_rare *look);
-/*@ requires sized(look) && held(look) && (look->count > 0 ==> ready(look)) && most > 0 && \valid_read(hint) && \valid_read(hint->run);
+/*@ requires sized(look) && held(look) && (look->count > 0 ==> going(look)) && most > 0 && \valid_read(hint) && \valid_read(hint->run);
     requires \separated(hint, look, look->samples + (0 .. look->n - 1), look->keys + (0 .. look->n - 1));
     assigns *look, look->samples[0 .. look->n - 1], look->keys[0 .. look->n - 1];
     ensures sized(look) && held(look) && look->first == 0 && look->count <= look->n || look->count == 0; */
@@ -150,6 +164,8 @@ void kelly_rare_see(const kelly_rare *look, kelly_rare_seen *seen);
     assigns *out; */
 void kelly_rare_read(const kelly_rare *rare, kelly_rare_estimate *out);
 /*@ requires sized(rare) && held(rare) && \valid_read(hint) && \valid_read(hint->run) && \valid(most);
-    assigns *most; */
+    requires \exists integer j; 0 <= j < rare->n && rare->samples[j].guide >= KELLY_RARE_FAILED;
+    assigns *most;
+    ensures 0 <= \result <= 1; */
 static wide share_seen(const kelly_rare *rare, const kelly_rare_hint *hint, unsigned mode, wide *most);
 #endif

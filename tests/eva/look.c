@@ -43,7 +43,7 @@ static void any_state(void)
     rare.quarter = Frama_C_unsigned_int_interval(0, 3);
     rare.at = Frama_C_unsigned_int_interval(1, KELLY_RARE_STATES - 1);
     rare.samples = samples;
-    rare.finds = Frama_C_float_interval(1.0f, 1e6f);
+    rare.finds = Frama_C_float_interval(1.0f, 1.1e12f);
     rare.first = Frama_C_nondet(0, 1) ? 1 : SAMPLES / 2;
     rare.count = Frama_C_nondet(0, 1) ? 0 : SAMPLES / 2;
     run.limit = any_real(0, R(10.0));

@@ -33,11 +33,13 @@ int main(void)
     const real sine = kelly_sin_turn(any_u64()), tanh = kelly_tanh(any_real(-ANY_REAL, ANY_REAL));
     const uint64_t step = kelly_phase_step(any_real(0, 1048576), any_u32());
     const double log64 = kelly_log(Frama_C_double_interval(0x1p-1022, ANY_DOUBLE));
+    const float small_root = kelly_sqrt32(Frama_C_float_interval(0, 4e12f));
 
     (void)kelly_sqrt32_integer(not_negative);
     logarithms();
     //@ assert -88 <= log32 <= 89;
     //@ assert 0 <= root <= 0x1p64;
+    //@ assert small_root <= 4000000;
     //@ assert -7 <= sine <= 7;
     //@ assert -1 <= tanh <= 1;
     //@ assert -709 <= log64 <= 710;

@@ -3,6 +3,9 @@
 #include "plant.h"
 #include "contracts.h"
 
+#ifndef FURTHER
+#define FURTHER 19                       /* counts of modes: 1, all. tests/check_eva.py --rest has each */
+#endif
 #define any_speed() any_real(R(-1e6), R(1e6))
 
 void kelly_block_clear(kelly_block *block, const kelly_table *table, const kelly_case *run, unsigned lanes)
@@ -173,8 +176,9 @@ static void start(uint8_t torsional, uint8_t axial)
 
 int main(void)
 {
-    start(1, 1);
-    start(2, 2);
-    start(20, 11);
+    //@ loop unroll 20;
+    for (uint8_t n = 1; n <= 20; n += FURTHER) {
+        start(n, n < 11 ? n : 11);
+    }
     return 0;
 }

@@ -152,14 +152,19 @@ static void further_level(uint32_t low, uint32_t high, uint32_t quarter, uint32_
     check();
 }
 
-static void answer(uint32_t low, uint32_t high)
+/* Of levels of n samples. */
+static void answer(uint32_t low, uint32_t high, uint32_t n)
 {
     kelly_rare_estimate estimate;
 
     any_rare();
+    for (unsigned i = 0; i < KELLY_RARE_LEVELS; i++) {
+        rare.levels[i].inside = Frama_C_unsigned_int_interval(1, n);
+    }
+    rare.n = n;
     rare.level = Frama_C_unsigned_int_interval(low, high);
-    rare.levels[0].failed = Frama_C_unsigned_int_interval(CHAINS, SAMPLES);
-    rare.levels[0].refused = Frama_C_unsigned_int_interval(0, SAMPLES - CHAINS);
+    rare.levels[0].failed = Frama_C_unsigned_int_interval(n / KELLY_RARE_STATES, n);
+    rare.levels[0].refused = Frama_C_unsigned_int_interval(0, n - n / KELLY_RARE_STATES);
     kelly_rare_read(&rare, &estimate);
     //@ assert 0 <= estimate.cov <= 1e20;
 }
@@ -189,8 +194,10 @@ int main(void)
     further_level(KELLY_RARE_LEVELS - 1, KELLY_RARE_LEVELS - 1, 3, KELLY_RARE_STATES - 1, 0);
     rare.count = 0;
     kelly_rare_accept(&rare);
-    answer(0, 0);
-    answer(1, KELLY_RARE_LEVELS - 1);
+    answer(0, 0, KELLY_RARE_MIN);
+    answer(0, 0, KELLY_RARE_MAX);
+    answer(1, KELLY_RARE_LEVELS - 1, KELLY_RARE_MIN);
+    answer(1, KELLY_RARE_LEVELS - 1, KELLY_RARE_MAX);
     (void)kelly_rare_failed(&samples[0]);
     (void)kelly_rare_reason((kelly_rare_state)any_u32());
     return 0;

@@ -136,7 +136,7 @@ int main(void)
     real a = R(1e-4);
 
     //@ loop unroll 9;
-    for (unsigned j = 0; j < (KELLY_VECTORS > 1 ? 1 : SLICES_A); j++) {
+    for (unsigned j = 0; j < SLICES_A; j++) {
         step(1, (real)LEAST_M, a);
         step(1, (real)LARGEST_M, a);
         if (sizeof(real) == sizeof(float)) {

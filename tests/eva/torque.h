@@ -5,12 +5,14 @@
 
 #include "bitrock.h"
 
-/* 2 mu |f| [N m]: the two slices that are analysed, each from half of it on. tests/check_eva.py --weights has those between, all powers of 2. */
+/* 2 mu |f| [N m]: the two slices that are analysed, each from half of it on. tests/check_eva.py --rest has those between, all powers of 2. */
 #ifndef LEAST_M
 #define LEAST_M 8.0
 #define LARGEST_M 134217728.0
 #endif
+#ifndef SLICES_A
 #define SLICES_A 9                       /* a2: 1e-4 .. 2e-3, .. to 5e7 s2/rad2 */
+#endif
 #define LARGEST_A1 1000                  /* [s/rad] */
 
 #ifndef EVA_TORQUE
