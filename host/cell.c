@@ -17,9 +17,14 @@ kelly_case cell_case(const study *s, const cell *c)
     return run;
 }
 
+int cell_trusted(const cell *c)
+{
+    return c->tally.samples > kelly_refused(&c->tally);
+}
+
 double cell_probability(const cell *c)
 {
-    return c->tally.samples > kelly_refused(&c->tally) ? (double)kelly_probability(&c->tally) : (double)NAN;
+    return cell_trusted(c) ? (double)kelly_probability(&c->tally) : (double)NAN;
 }
 
 /* The tally in its own order: samples, stuck, lift-off, the statuses but corrupt, of which there is none here, digest. */

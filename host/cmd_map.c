@@ -175,18 +175,24 @@ static int on_stdout(const char *path)
     return path && strcmp(path, "-") == 0;
 }
 
-/* A map without one P is no answer. */
-static int answered(const driller_map *map)
+/* A map without one P is no answer. What would help is told of a cell within the table, where there is one: there it is the step. */
+static int answered(const map_run *m)
 {
-    const size_t cells = 2 * (size_t)map->wob.count * map->rpm.count;
+    const size_t cells = 2 * (size_t)m->map.wob.count * m->map.rpm.count;
+    const cell *of = m->map.cells;
     char text[ADVICE_TEXT];
+    kelly_case run;
 
     for (size_t i = 0; i < cells; i++) {
-        if (map->cells[i].tally.samples > kelly_refused(&map->cells[i].tally)) {
+        const cell *const c = &m->map.cells[i];
+
+        if (cell_trusted(c)) {
             return EXIT_DONE;
         }
+        of = c->tally.status[KELLY_RANGE] < of->tally.status[KELLY_RANGE] ? c : of;
     }
-    fprintf(stderr, "kelly: map: no answer: no realisation of any cell can be trusted: %s\n", advice_on(&map->cells[0].tally, text));
+    run = cell_case(&m->how, of);
+    fprintf(stderr, "kelly: map: no answer: no realisation of any cell can be trusted: %s\n", advice_on(&run, &of->tally, text));
     return EXIT_FAILED;
 }
 
@@ -213,5 +219,5 @@ int command_map(int argc, char **argv)
     if (!m.opts.quiet && !on_stdout(m.opts.csv) && !on_stdout(m.opts.json) && !on_stdout(m.npy)) {
         print_map(&m.map, &m.how);
     }
-    return answered(&m.map);
+    return answered(&m);
 }

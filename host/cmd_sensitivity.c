@@ -276,7 +276,7 @@ int command_sensitivity(int argc, char **argv)
         print_outcome(&out);
     }
     if (out.left_out == out.rows) {
-        die(EXIT_FAILED, "sensitivity: no answer: each of %u rows holds a realisation that cannot be trusted: %s", out.rows, advice_on(&out.tally, text));
+        die(EXIT_FAILED, "sensitivity: no answer: each of %u rows holds a realisation that cannot be trusted: %s", out.rows, advice_on(&opts.run, &out.tally, text));
     }
     return EXIT_DONE;
 }

@@ -42,6 +42,9 @@ void cells_follow(const study *s);
 /* The case of a cell. */
 kelly_case cell_case(const study *s, const cell *c);
 
+/* Whether any realisation of it can be trusted. */
+int cell_trusted(const cell *c);
+
 /* P, or NaN where every realisation was refused. */
 double cell_probability(const cell *c);
 

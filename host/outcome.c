@@ -185,24 +185,23 @@ static const char *colour(double lo, double hi)
     return lo > 0.5 ? "31" : hi < 0.05 ? "32" : "33";
 }
 
-/* What helps where realisations were refused for their step, "" where few were or the nominal weight is outside the table. */
-static const char *step_advice(const outcome *out, char text[ADVICE_TEXT])
+/* What helps where realisations of a case were refused for their step, "" where few were or the nominal weight is outside the table. */
+static const char *step_advice(const kelly_case *run, const kelly_tally *t, char text[ADVICE_TEXT])
 {
-    const kelly_tally *const t = &out->tally;
     kelly_draw nominal;
     kelly_modes modes;
     char safe[STEP_TEXT];
 
-    kelly_draw_nominal(&out->opts->run, &nominal);
-    if (t->status[KELLY_STEP] <= t->samples / 100 || kelly_realise(&kelly_string, &out->opts->run, &nominal, &modes) == KELLY_RANGE) {
+    kelly_draw_nominal(run, &nominal);
+    if (t->status[KELLY_STEP] <= t->samples / 100 || kelly_realise(&kelly_string, run, &nominal, &modes) == KELLY_RANGE) {
         return "";
     }
-    if (case_seconds(&out->opts->run, 1) < (double)kelly_smallest_step(&modes)) {
+    if (case_seconds(run, 1) < (double)kelly_smallest_step(&modes)) {
         snprintf(text, ADVICE_TEXT, "the step is too short for this precision, whose rounding would drown the slowest mode; give at least %.6g s",
                  (double)kelly_smallest_step(&modes));
     } else {
         snprintf(text, ADVICE_TEXT, "the step is too long for %u of %u; the nominal case allows %s s, its tails about a third of that",
-                 t->status[KELLY_STEP], t->samples, step_text((double)kelly_largest_step(&kelly_string, &out->opts->run, &nominal, &modes), safe));
+                 t->status[KELLY_STEP], t->samples, step_text((double)kelly_largest_step(&kelly_string, run, &nominal, &modes), safe));
     }
     return text;
 }
@@ -212,7 +211,7 @@ static void warn(const outcome *out)
 {
     const kelly_tally *const t = &out->tally;
     char text[ADVICE_TEXT];
-    const char *const advice = step_advice(out, text);
+    const char *const advice = step_advice(&out->opts->run, t, text);
 
     if (t->liftoff > t->samples / 100) {
         printf("warning: in %u of %u the weight would change its sign (|fc| < 1.01 f0): the bit would lift off, which this model leaves out\n",
@@ -223,8 +222,11 @@ static void warn(const outcome *out)
     }
 }
 
-const char *advice_on(const kelly_tally *t, char text[ADVICE_TEXT])
+const char *advice_on(const kelly_case *run, const kelly_tally *t, char text[ADVICE_TEXT])
 {
+    if (*step_advice(run, t, text)) {
+        return text;
+    }
     if (t->status[KELLY_CORRUPT] > 0) {
         return "a number in memory changed while they ran; look at the memory of the machine, and run them again";
     }
@@ -241,13 +243,12 @@ static int answered(const outcome *out)
 {
     const kelly_tally *const t = &out->tally;
     char text[ADVICE_TEXT];
-    const char *const advice = step_advice(out, text);
 
     if (t->samples > kelly_refused(t)) {
         return EXIT_DONE;
     }
     fprintf(stderr, "kelly: no answer: none of %u realisations can be trusted (step %u, range %u, nonfinite %u, corrupt %u): %s\n", t->samples,
-            t->status[KELLY_STEP], t->status[KELLY_RANGE], t->status[KELLY_NONFINITE], t->status[KELLY_CORRUPT], *advice ? advice : advice_on(t, text));
+            t->status[KELLY_STEP], t->status[KELLY_RANGE], t->status[KELLY_NONFINITE], t->status[KELLY_CORRUPT], advice_on(&out->opts->run, t, text));
     return EXIT_FAILED;
 }
 

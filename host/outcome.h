@@ -54,9 +54,9 @@ void outcome_print_refused(const outcome *out, const char *where);
 /* Whether a summary is wanted on stdout: no --quiet, and stdout is not one of the files. */
 int outcome_speaks(const options *opts);
 
-/* What helps where none of these could be trusted; `text` may be used for it. */
+/* What helps where none of these realisations of a case could be trusted; `text` may be used for it. */
 #define ADVICE_TEXT 160
-const char *advice_on(const kelly_tally *t, char text[ADVICE_TEXT]);
+const char *advice_on(const kelly_case *run, const kelly_tally *t, char text[ADVICE_TEXT]);
 
 /* Write what is left, close the files, remove the journal, print the summary. Returns the exit status: EXIT_FAILED, with one line of why on
  * stderr, where no realisation could be trusted. */

@@ -204,6 +204,13 @@ def check_files(folder):
 
 
 def check_mistakes(folder):
+def check_no_answer():
+    """A map without one P says what would help, of a cell where something would."""
+    for args, words in (("--wob 100 --step 1e-6 --duration 0.001", "the step is too short for this precision"), ("--wob 100 --step 0.02 --duration 1", "the step is too long for 5 of 5"),
+                        ("--wob 1500:2000:500 --duration 1", "fitted for weights of 1..1000 kN"), ("--wob 0.5:100.5:100 --step 0.02 --duration 1", "the step is too long for 5 of 5")):
+        refused(f"map --rpm 60 --cov 0 --samples 5 --quiet {args}", f"kelly: map: no answer: no realisation of any cell can be trusted: {words if 'step' in words else 'the table is ' + words}", status=1)
+
+
     for args, word in (("--start rest", "both starts"), ("--convergence", "--convergence"), ("--samples 0", "realisations"), ("--nonsense 1", "unknown"),
                        ("--resume=1", "no value"), ("--adaptive", "value"), ("--npy", "value"), ("--rpm 100 --wob 100 --window 5:3", "ends before"),
                        ("--first 4294967295", "indices"), ("--adaptive 0.01 --first 4294960000", "indices"), ("extra", "not an option"),
@@ -298,7 +305,7 @@ def check_million(process, folder):
     claim(p.shape == (2, 1000, 1000) and np.isin(p, (0.0, 1.0)).all(), f"a million cells: {p.shape}")
 
 
-CHECKS = [check_cells, check_same_bytes, check_adaptive, check_edges, check_grids, check_files, check_mistakes, check_torn, check_foreign, check_lock,
+CHECKS = [check_cells, check_same_bytes, check_adaptive, check_edges, check_grids, check_files, check_no_answer, check_mistakes, check_torn, check_foreign, check_lock,
           check_killed, check_disk_full, check_advise, check_picture]
 
 
