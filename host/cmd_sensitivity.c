@@ -114,7 +114,11 @@ static void write_measure(FILE *to, const findings *out, unsigned m)
     wide mean, variance;
 
     kelly_sobol_moments(s, &mean, &variance);
-    fprintf(to, "  \"%s\": {\"mean\": %.17g, \"variance\": %.17g, \"indices\": {", measures[m], (double)mean, (double)variance);
+    if (s->rows > 0) {
+        fprintf(to, "  \"%s\": {\"mean\": %.17g, \"variance\": %.17g, \"indices\": {", measures[m], (double)mean, (double)variance);
+    } else {
+        fprintf(to, "  \"%s\": {\"mean\": null, \"variance\": null, \"indices\": {", measures[m]);
+    }
     for (unsigned i = 0; i < out->random; i++) {
         kelly_estimate first, total;
 
@@ -161,10 +165,15 @@ static void write_json(FILE *to, const findings *out)
 static void print_measure(const findings *out, unsigned m)
 {
     const kelly_sobol *const s = &out->of[m];
+    const char *const what = m == OF_STUCK ? "stick-slip (P)" : "severity ss";
     wide mean, variance;
 
+    if (s->rows == 0) {
+        printf("%s: unknown: every row was left out\n", what);
+        return;
+    }
     kelly_sobol_moments(s, &mean, &variance);
-    printf("%s: mean %.4f, variance %.4f\n", m == OF_STUCK ? "stick-slip (P)" : "severity ss", (double)mean, (double)variance);
+    printf("%s: mean %.4f, variance %.4f\n", what, (double)mean, (double)variance);
     for (unsigned i = 0; i < out->random; i++) {
         kelly_estimate f, t;
 

@@ -120,6 +120,17 @@ def check_left_out():
     claim("left out: " in kelly(f"sensitivity {args} --samples 100").stdout, "and in the summary")
 
 
+def check_no_answer():
+    for step, words in (("1e-6 --duration 0.001", "the step is too short for this precision"), ("0.02 --duration 1", "the step is too long for 35 of 35")):
+        result, said = kelly(f"sensitivity --step {step} --samples 5 --json -"), kelly(f"sensitivity --step {step} --samples 5").stdout
+        claim(result.returncode == 1 and result.stderr.count("\n") == 1 and words in result.stderr, f"--step {step}: exit {result.returncode}, {result.stderr!r}")
+        found = json.loads(result.stdout)
+        for measure in ("probability", "ss"):
+            claim(found[measure]["mean"] is None and found[measure]["variance"] is None and set(found[measure]["indices"].values()) == {None},
+                  f"--step {step}, {measure} of nothing: {found[measure]}")
+        claim(said.count(": unknown: every row was left out\n") == 2 and "mean" not in said and "does not vary" not in said, f"--step {step}, in the summary: {said!r}")
+
+
 def check_ends():
     run = sensitivity("--mu 0.04 --duration 20 --samples 64")
     claim(run["probability"]["variance"] == 0 and all(i is None for i in run["probability"]["indices"].values()), "P = 1: no index")
@@ -134,7 +145,7 @@ def check_ends():
               f"{args}: {result.returncode} {result.stderr!r}")
 
 
-CHECKS = (check_first_by_bins, check_total_of_two, check_rows_are_the_ensembles, check_same_bits, check_left_out, check_ends)
+CHECKS = (check_first_by_bins, check_total_of_two, check_rows_are_the_ensembles, check_same_bits, check_left_out, check_no_answer, check_ends)
 
 
 def main():
