@@ -38,7 +38,8 @@ typedef struct {
     cell now;
     ray rays[4];
     const ray *best[2];          /* by speed, by weight; 0: none within the range */
-    double lowest[2];            /* smallest P met on each axis */
+    double lowest[2];            /* smallest P met on each axis, of settings where a realisation could be trusted; NaN: none */
+    uint32_t trusted;            /* such settings, the present one with them */
     journal log;
     uint32_t ran;                /* cells so far, in an order that their results decide: the same in every run */
     cell known[RECORDS];         /* what an earlier run had found of each */
@@ -161,6 +162,9 @@ static void run_cells(advice *a, cell *cells, uint32_t count)
     }
     cells_run(&a->how, cells, count, a->ran);
     a->ran += count;
+    for (uint32_t k = 0; k < count; k++) {
+        a->trusted += cell_trusted(&cells[k]) ? 1u : 0u;
+    }
 }
 
 /* ---- the search -------------------------------------------------------------------------------------------------------- */
@@ -237,7 +241,9 @@ static unsigned advance(advice *a)
         ray *const r = which[k];
         const double p = cautious(&cells[k]);
 
-        a->lowest[r->weight] = p < a->lowest[r->weight] ? p : a->lowest[r->weight];
+        if (cell_trusted(&cells[k])) {
+            a->lowest[r->weight] = fmin(p, a->lowest[r->weight]);
+        }
         if (p < a->limit) {
             r->yes = r->next;
             r->at_yes = cells[k];
@@ -290,9 +296,13 @@ static void print_axis(const advice *a, unsigned weight)
         printf("%s  %+8.1f %-3s -> %.6g rpm, %.6g kN, f0 %.6g kN: ", names[weight], r->sign * RESOLUTION * (double)r->yes, units[weight],
                r->at_yes.rpm, r->at_yes.wob_kN, r->at_yes.f0_kN);
         print_probability(&r->at_yes);
+        return;
+    }
+    printf("%s  none in %.6g..%.6g %s is below %.6g; ", names[weight], a->range[weight].lo, a->range[weight].hi, units[weight], a->limit);
+    if (isnan(a->lowest[weight])) {
+        puts("no realisation there can be trusted");
     } else {
-        printf("%s  none in %.6g..%.6g %s is below %.6g; the lowest P found is %.4f\n", names[weight], a->range[weight].lo, a->range[weight].hi,
-               units[weight], a->limit, a->lowest[weight]);
+        printf("the lowest P found is %.4f\n", a->lowest[weight]);
     }
 }
 
@@ -311,6 +321,9 @@ static void print_advice(const advice *a)
     }
     print_axis(a, 0);
     print_axis(a, 1);
+    if (!a->best[0] && !a->best[1]) {
+        return;
+    }
     printf("each is an estimate below %.6g from %u realisations, and its interval says how sure; f0 %s\n", a->limit, a->opts.samples,
            a->f0_given ? "as given" : "keeps its ratio to the weight: give --f0 as printed to run a setting with montecarlo");
 }
@@ -349,9 +362,22 @@ static void write_json(FILE *to, const advice *a)
     fputs("}\n", to);
 }
 
+/* A search that met nothing that can be trusted is no answer. */
+static int answered(const advice *a)
+{
+    const kelly_case run = cell_case(&a->how, &a->now);
+    char text[ADVICE_TEXT];
+
+    if (a->trusted > 0) {
+        return EXIT_DONE;
+    }
+    fprintf(stderr, "kelly: advise: no answer: no realisation of any setting can be trusted: %s\n", advice_on(&run, &a->now.tally, text));
+    return EXIT_FAILED;
+}
+
 int command_advise(int argc, char **argv)
 {
-    static advice a = { .lowest = { 1.0, 1.0 } };
+    static advice a = { .lowest = { (double)NAN, (double)NAN } };
     outfile json = { 0 };
 
     parse(&a, argc, argv);
@@ -376,5 +402,5 @@ int command_advise(int argc, char **argv)
     if (!a.opts.quiet && !(a.opts.json && strcmp(a.opts.json, "-") == 0)) {
         print_advice(&a);
     }
-    return EXIT_DONE;
+    return answered(&a);
 }

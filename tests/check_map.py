@@ -9,6 +9,7 @@ import csv
 import io
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -203,7 +204,6 @@ def check_files(folder):
     claim(said.stdout == read(f"{stem}.json").decode() and last["done"] == last["total"] == 48, f"--progress json: {last}")
 
 
-def check_mistakes(folder):
 def check_no_answer():
     """A map without one P says what would help, of a cell where something would."""
     for args, words in (("--wob 100 --step 1e-6 --duration 0.001", "the step is too short for this precision"), ("--wob 100 --step 0.02 --duration 1", "the step is too long for 5 of 5"),
@@ -211,6 +211,7 @@ def check_no_answer():
         refused(f"map --rpm 60 --cov 0 --samples 5 --quiet {args}", f"kelly: map: no answer: no realisation of any cell can be trusted: {words if 'step' in words else 'the table is ' + words}", status=1)
 
 
+def check_mistakes(folder):
     for args, word in (("--start rest", "both starts"), ("--convergence", "--convergence"), ("--samples 0", "realisations"), ("--nonsense 1", "unknown"),
                        ("--resume=1", "no value"), ("--adaptive", "value"), ("--npy", "value"), ("--rpm 100 --wob 100 --window 5:3", "ends before"),
                        ("--first 4294967295", "indices"), ("--adaptive 0.01 --first 4294960000", "indices"), ("extra", "not an option"),
@@ -273,6 +274,14 @@ def check_advise():
     claim("nothing to change" in done(f"advise --rpm 140 --wob 30 {case}"), "nothing to change, on the screen")
     fixed = advise(f"--rpm 100 --wob 100 --f0 10 --start rotating {case}")
     claim(fixed["by_wob"]["f0_kN"] == 10 and fixed["now"]["f0_kN"] == 10, "--f0 stays")
+    for args, words in (("--step 0.1 --out-step 0.1", "the step is too long for 5 of 5"), ("--wob 1500 --cov 0 --search-wob 1400:1600", "fitted for weights of 1..1000 kN")):
+        nothing = kelly(f"advise {args} --samples 5 --duration 2")
+        claim(nothing.returncode == 1 and nothing.stderr.count("\n") == 1 and "kelly: advise: no answer: " in nothing.stderr and words in nothing.stderr,
+              f"advise {args}, all refused: exit {nothing.returncode}, {nothing.stderr!r}")
+        claim(nothing.stdout.count("no realisation there can be trusted") == 2 and "lowest P" not in nothing.stdout, f"advise {args}, all refused: {nothing.stdout!r}")
+    part = kelly("advise --rpm 100 --wob 1500 --mu 0.001 --cov 0 --search-wob 900:1600 --samples 5 --duration 2 --below 1e-9 --limit 0")
+    claim(part.returncode == 0 and not part.stderr and re.search("^speed .*no realisation there can be trusted$", part.stdout, re.M) and
+          re.search("^weight .*the lowest P found is 1.0000$", part.stdout, re.M), f"settings with nothing beside settings with a P: {part.stdout!r} {part.stderr!r}")
     unsafe = advise("--rpm 100 --wob 600 --mu 0.04 --samples 40 --duration 1 --window 0:1 --limit 9.9 --below 0.5")
     claim(unsafe["now"]["refused"] > 20 and not unsafe["below_already"], f"refused realisations count as stuck: {unsafe['now']}")
 
