@@ -400,10 +400,10 @@ void envelope_run(envelope_request *ask, const options *opts, const char *beside
     store.samples = opts->samples;   /* of a run that stopped itself fewer than were asked for */
     run_job(opts, &(job){ .work = run_piece, .work_size = sizeof(kelly_plant), .result_size = left_by_one() * sizeof(real), .width = 1,
                           .lanes = 4, .log = log, .lead_alone = 1 }, keep, &all);
-    if (ask->envelope && store.used == 0) {
-        die(EXIT_FAILED, "--envelope %s: every realisation was refused, so there is nothing to take quantiles of", ask->envelope);
-    }
-    if (ask->envelope) {
+    if (ask->envelope && store.used == 0) {   /* the run's other files tell what was refused, and its exit status that there is no answer */
+        fprintf(stderr, "kelly: --envelope %s: not written: every realisation was refused, and there is nothing to take quantiles of\n", ask->envelope);
+        outfile_drop(&store.envelope);
+    } else if (ask->envelope) {
         write_envelope(store.envelope.stream, ask->envelope, opts);
         outfile_close(&store.envelope);
     }

@@ -265,3 +265,14 @@ void outfile_close(outfile *file)
     free(file->path);
     free(file->temporary);
 }
+
+void outfile_drop(outfile *file)
+{
+    if (file->path) {
+        (void)unlink(file->temporary);
+        forget(file);
+    }
+    (void)fclose(file->stream);
+    free(file->path);
+    free(file->temporary);
+}

@@ -151,6 +151,9 @@ void outfile_close(outfile *file);
 /* Open for reading and for writing at its end, made where it is not there, locked until it is closed. Dies like outfile_open. */
 int open_locked(const char *path);
 
+/* Close, and leave what is at its path as it was. */
+void outfile_drop(outfile *file);
+
 /* Whether it names a file that will be renamed into its place, or 0: stdout, devices, no path. */
 int is_plain_file(const char *path);
 

@@ -327,6 +327,14 @@ def check_no_answer():
             refused(kelly("float", f"merge {where}/r.csv --quiet"), 1, f"a merge of those, {case}")
     for command in ("map --rpm 60 --wob 100", "sensitivity"):
         refused(kelly("float", f"{command} --step 0.02 --samples 5 --duration 2 --quiet"), 1, f"{command}, all refused")
+    for more, files in (("", {"r.csv", "r.json"}), ("--traces {}/t.npy", {"r.csv", "r.json", "t.npy"}), ("--resume", {"r.csv", "r.json"})):
+        with tempfile.TemporaryDirectory() as where:
+            result = kelly("float", f"montecarlo --step 0.02 --samples 5 --duration 2 --envelope {where}/e.csv --csv {where}/r.csv --json {where}/r.json --quiet "
+                           + more.format(where))
+            lines = [line for line in result.stderr.splitlines() if ".journal: not there; " not in line]
+            claim(result.returncode == 1 and len(lines) == 2 and f"--envelope {where}/e.csv: not written: " in lines[0] and "no answer" in lines[1],
+                  f"an envelope of nothing {more}: exit {result.returncode}, {lines}")
+            claim(set(os.listdir(where)) == files, f"an envelope of nothing {more}: files {os.listdir(where)}")
 
 
 def check_convergence():

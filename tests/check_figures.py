@@ -121,8 +121,10 @@ def check_refused(here):
     claim(np.all(np.isnan(traces[~ok])) and not np.any(np.isnan(traces[ok])), "rows of NaN exactly where refused")
     against_numpy({n: envelope[n] for n in envelope.dtype.names if n.startswith("bit_speed")}, {QUANTITIES[0]: traces[ok]}, 1e-7, "refused left out")
     gone = os.path.join(here, "gone.npy")
-    refused(1, "every realisation was refused", "montecarlo", "--mu", "1", "--samples", 5, "--duration", "1", "--envelope", gone)
-    claim(not os.path.exists(gone), "nothing is written where nothing counts")
+    result = run("float", "montecarlo", "--mu", "1", "--samples", 5, "--duration", "1", "--envelope", gone)
+    claim(result.returncode == 1 and re.fullmatch(f"kelly: --envelope {gone}: not written: every realisation was refused.*\nkelly: no answer: .*\n", result.stderr),
+          f"an envelope of nothing: exit {result.returncode}, {result.stderr!r}")
+    claim(set(os.listdir(here)) == set(files), f"nothing is written where nothing counts: {os.listdir(here)}")
 
 
 def check_mistakes(here):
