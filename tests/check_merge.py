@@ -247,6 +247,10 @@ def check_array(folder):
         os.remove(os.path.join(folder, name))
     spaced = os.path.join(folder, "two words *")
     os.mkdir(spaced)
+    for args, status, words in (("wrong 9 3 --mu nonsense", 2, "--mu nonsense: not a finite number"), ("nothing 9 3 --step 0.02 --duration 2", 1, "none of 9 realisations")):
+        run = subprocess.run(["sh", script] + shlex.split(args), cwd=folder, env=env, capture_output=True, text=True, check=False)
+        claim(run.returncode == status and words in run.stderr, f"array.sh {args}: exit {run.returncode}, {run.stderr!r}")
+    claim(os.path.exists(os.path.join(folder, "nothing.json")), "parts without an answer are put together")
     for again in (False, True):
         run = subprocess.run(["sh", script, f"{spaced}/run", "103", "4"] + shlex.split(CASE), env=env, capture_output=True, text=True, check=False)
         claim(run.returncode == 0 and read(spaced, "run.csv") == read(folder, "one.csv"), f"a directory with a space, again: {again}: {run.stderr!r}")

@@ -54,8 +54,10 @@ part() {
     [ "$count" -gt 0 ] || return 0
     ! whole "$k" || return 0
     [ ! -f "$out.$k.csv.journal" ] || set -- "$@" --resume
-    "$kelly" montecarlo "$@" --first "$first" --samples "$count" --csv "$out.$k.csv" --json "$out.$k.json" --quiet ||
-        whole "$k"   # exit 1 where none of its realisations can be trusted: that is for the sum to say
+    "$kelly" montecarlo "$@" --first "$first" --samples "$count" --csv "$out.$k.csv" --json "$out.$k.json" --quiet || {
+        status=$?   # 1 where none of its realisations can be trusted: that is for the sum to say
+        [ "$status" -eq 1 ] && whole "$k" || return "$status"
+    }
 }
 
 k=0
