@@ -7,6 +7,8 @@
 
 #include "host.h"
 
+#define DIGITS "0123456789"
+
 /* Times as they were asked for, until the step is known. */
 typedef struct {
     double step, duration, window[2];
@@ -44,21 +46,46 @@ double option_number(const char *option, const char *text, double lo, double hi,
     return x;
 }
 
-/* Digits, or 1e6, which is a whole number too; with a sign or beyond 2^64 still one, but out of range. */
+#define POWER_MOST 100000L       /* of ten; no text has as many digits */
+
+/* The whole number that digits are, or digits with a power of ten, 1e6 or 0.2e2: taken digit by digit, so that none is lost. `beyond`: it is
+ * 2^64 or more. Returns 0 where it is none. */
+static int read_whole(const char *text, uint64_t *whole, int *beyond)
+{
+    const long head = (long)strspn(text, DIGITS), point = text[head] == '.', all = head + (point ? (long)strspn(text + head + 1, DIGITS) : 0);
+    const char *const mark = text + all + point, *const power = mark + 1 + (*mark == 'e' && (mark[1] == '+' || mark[1] == '-'));
+    const long by = *mark == 'e' ? strtol(mark + 1, 0, 10) : 0, places = head + (by > POWER_MOST ? POWER_MOST : by < -POWER_MOST ? -POWER_MOST : by);
+
+    if (head == 0 || (text[head] && (*mark != 'e' || !*power || power[strspn(power, DIGITS)]))) {
+        return 0;
+    }
+    *whole = 0;
+    *beyond = 0;
+    for (long i = 0; i < places || i < all; i++) {
+        const unsigned digit = i < all ? (unsigned)(text[i < head ? i : i + 1] - '0') : 0;
+
+        if (i >= places && digit > 0) {
+            return 0;            /* behind the point */
+        }
+        if (i < places) {
+            *beyond |= *whole > (UINT64_MAX - digit) / 10;
+            *whole = *whole * 10 + digit;
+        }
+    }
+    return 1;
+}
+
+/* With a sign or beyond 2^64 it is still a whole number, but out of range. */
 uint64_t option_whole(const char *option, const char *text, uint64_t lo, uint64_t hi, const char *right)
 {
     const char *const digits = text + (text[0] == '-');
-    char *end;
-    const double x = strtod(digits, &end);
-    const int power = strchr(digits, 'e') != 0, exact = power ? x == floor(x) && (x <= 0x1p53 || x > (double)hi) : !digits[strspn(digits, "0123456789")];
     uint64_t whole;
+    int beyond;
 
-    if (!isdigit((unsigned char)digits[0]) || *end != '\0' || !exact) {
+    if (!read_whole(digits, &whole, &beyond)) {
         die(EXIT_USAGE, "%s %s: not a whole number; give %s", option, text, right);
     }
-    errno = 0;
-    whole = !power ? strtoull(digits, 0, 10) : x <= 0x1p53 ? (uint64_t)x : UINT64_MAX;
-    if (digits != text || errno == ERANGE || x > (double)hi || whole < lo || whole > hi) {
+    if (digits != text || beyond || whole < lo || whole > hi) {
         die(EXIT_USAGE, "%s %s: out of range; give %s", option, text, right);
     }
     return whole;

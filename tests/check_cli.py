@@ -382,14 +382,19 @@ def check_whole():
     for option, value, where in (("--samples", "-5", "1..4294967295"), ("--samples", "1e30", "1..4294967295"), ("--samples", "1e400", "1..4294967295"),
                                  ("--samples", "-1e3", "1..4294967295"), ("--samples", "4294967296", "1..4294967295"), ("--samples", "9" * 30, "1..4294967295"),
                                  ("--seed", "-1", "0..18446744073709551615"), ("--seed", "1e20", "0..18446744073709551615"),
-                                 ("--seed", "18446744073709551616", "0..18446744073709551615"), ("--threads", "-1", "1..1024"), ("--torsional", "1e2", "1..20")):
+                                 ("--seed", "18446744073709551616", "0..18446744073709551615"), ("--seed", "1844674407370955161.6e1", "0..18446744073709551615"),
+                                 ("--seed", "1e100000000000000000000", "0..18446744073709551615"), ("--threads", "-1", "1..1024"), ("--torsional", "1e2", "1..20")):
         said = kelly("float", f"montecarlo {option} {value}").stderr
         claim(said.startswith(f"kelly: {option} {value}: out of range; give ") and said.endswith(where + "\n"), f"{option} {value}: {said!r}")
-    for value in ("1.5", "1e-3", "+5", "5.0", "1e", "0x5", "5 ", " 5", "-", "--5", "inf", "1e6x", "-1.5"):
+    for value in ("1.5", "1e-3", "+5", "5.0", "1e", "1e+", "1e 3", "0x5", "0x1e", "0x1e3", "5 ", " 5", "-", "--5", "inf", "1e6x", "-1.5", "e5", ".5e1", "1.25e1",
+                  "1.0000000000000000001e0", "1e-100000000000000000000"):
         result = subprocess.run([PROGRAM["float"], "montecarlo", "--samples", value], capture_output=True, text=True, check=False)
         claim(result.returncode == 2 and f"--samples {value}: not a whole number; give " in result.stderr, f"--samples '{value}': {result.stderr!r}")
-    for value in ("20", "2e1", "0.2e2", "020"):
+    for value in ("20", "2e1", "0.2e2", "020", "2e+01", "200e-1", "2.e1"):
         claim(report("float", f"--samples {value} --duration 1")["samples"] == 20, f"--samples {value}")
+    for value, seed in (("1e16", 10**16), ("1e19", 10**19), ("9007199254740993e0", 2**53 + 1), ("1844674407370955161.5e1", 2**64 - 1), ("0e999999999999", 0)):
+        result = kelly("float", f"montecarlo --samples 1 --duration 0.1 --json - --seed {value}")
+        claim(result.returncode == 0 and json.loads(result.stdout)["seed"] == seed, f"--seed {value}: {result.stderr!r} {re.findall('.*seed.*', result.stdout)}")
 
 
 def check_times():
