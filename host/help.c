@@ -251,7 +251,7 @@ void help_all(FILE *to)
     print_commands(to);
     fputs("\nkelly COMMAND --help lists its options with units, defaults and an example.\n"
           "Options are --name VALUE or --name=VALUE. A file \"-\" is stdout. With NO_COLOR set nothing is coloured.\n"
-          "Exit 0 done, 1 the run failed, 2 bad usage or input.\n\n"
+          "Exit status: 0 " EXIT_DONE_TEXT ", 1 " EXIT_FAILED_TEXT ",\n2 " EXIT_USAGE_TEXT ".\n\n"
           "Examples:\n", to);
     for (unsigned i = 0; i < command_count; i++) {
         fprintf(to, "  %s\n", commands[i].help->example);

@@ -9,6 +9,9 @@
 #define RPM 0.10471975511965977   /* rad/s, the product that the generator uses too */
 
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
+#define EXIT_DONE_TEXT "done"
+#define EXIT_FAILED_TEXT "the run failed, no realisation could be trusted, or a file could not be written"
+#define EXIT_USAGE_TEXT "bad usage or input (one line on stderr: what, where, what would be right)"
 
 /* One line on stderr, "kelly: ...", and exit with this status. What, where, what would be right. */
 _Noreturn void die(int status, const char *format, ...) __attribute__((format(printf, 2, 3)));
@@ -148,11 +151,11 @@ void outfile_open(outfile *file, const char *path);
 /* Flush, check, sync and rename; dies with exit 1, leaving nothing behind, if any byte was lost. */
 void outfile_close(outfile *file);
 
-/* Open for reading and for writing at its end, made where it is not there, locked until it is closed. Dies like outfile_open. */
-int open_locked(const char *path);
-
 /* Close, and leave what is at its path as it was. */
 void outfile_drop(outfile *file);
+
+/* Open for reading and for writing at its end, made where it is not there, locked until it is closed. Dies like outfile_open. */
+int open_locked(const char *path);
 
 /* Whether it names a file that will be renamed into its place, or 0: stdout, devices, no path. */
 int is_plain_file(const char *path);

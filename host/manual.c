@@ -98,7 +98,6 @@ int command_manual(int argc, char **argv)
     puts(".SH FILES\nCSV has a header line, a comma, a point, and enough digits to bring the numbers back unchanged; units are in the\n"
          "names of the columns. JSON is one object. NPY is version 1.0, for numpy.load. A file appears whole or not at all.\n"
          ".SH ENVIRONMENT\n.TP\n.B NO_COLOR\nif set and not empty, nothing is coloured. Only a terminal is ever sent colours.\n"
-         ".SH EXIT STATUS\n.TP\n.B 0\ndone\n.TP\n.B 1\nthe run failed, no realisation could be trusted, or a file could not be written\n.TP\n.B 2\nbad usage or input: one "
-         "line on stderr says what, where, and what would be right");
+         ".SH EXIT STATUS\n.TP\n.B 0\n" EXIT_DONE_TEXT "\n.TP\n.B 1\n" EXIT_FAILED_TEXT "\n.TP\n.B 2\n" EXIT_USAGE_TEXT);
     return EXIT_DONE;
 }

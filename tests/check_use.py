@@ -88,6 +88,10 @@ def check_help():
     claim(first and kelly(*first[1].split(), *QUICK).returncode == 0, "kelly alone says what to try first, and that works")
     claim({"montecarlo", "simulate", "modes", "manual"} <= set(commands()), f"commands: {commands()}")
     claim(kelly("help").stdout == kelly("--help").stdout, "kelly help = kelly --help")
+    status = re.search(r"^Exit status: 0 (.*?), 1 (.*?),\s2 (.*?\))\.", kelly("help").stdout, re.M | re.S)
+    page, readme = kelly("manual").stdout, open(os.path.join(ROOT, "README.md"), encoding="utf-8").read()
+    claim(status and "".join(f".B {i}\n{words}\n" for i, words in enumerate(status.groups())).replace("\n.B", "\n.TP\n.B") in page, "exit statuses: the man page has help's words")
+    claim(status and " ".join(status[0].split()) in " ".join(readme.split()), "exit statuses: the README has help's words")
     wrong = kelly("help", "nonsense")
     claim(wrong.returncode == 2 and wrong.stderr.count("\n") == 1 and "montecarlo" in wrong.stderr, "help of no command: exit 2")
     for command in commands():
