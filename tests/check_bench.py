@@ -410,6 +410,9 @@ def misuse():
     for words in USAGE:
         run = Run(words, files=False)
         yield run.one_line(2), f"'{words}': {run.status}, {run.said}"
+    for text in ("shift=", "shift=5,", "shift=5,sleep=maybe", "nope"):
+        run = Run(f"--port qemu:rv32 --icount {text}", files=False)
+        yield run.one_line(2, f"--icount {text}: unknown; give "), f"--icount {text}: {run.said}"
     run = Run("--port /dev/ttyNOTHERE", files=False)
     yield run.one_line(2, "--port /dev/ttyNOTHERE: No such file", "plug the board in") and WAITING not in run.err, f"a path that is not there: {run.said}"
     for words in ("unix:/nonexistent/line", "tcp:127.0.0.1:1"):
