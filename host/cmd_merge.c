@@ -64,10 +64,8 @@ static void load(part *p, const char *given)
     snprintf(json, sizeof(json), "%.*s.json", (int)length - (is_csv ? 4 : 5), given);
     refuse_unfinished(given);
     refuse_unfinished(json);
+    stored_need(given);
     if (access(json, F_OK) != 0) {
-        if (access(given, F_OK) != 0) {
-            die(EXIT_USAGE, "%s: there is no such file; give what montecarlo --csv NAME.csv --json NAME.json wrote", given);
-        }
         die(EXIT_USAGE, "%s: %s is not beside it, so nothing says whose run it is; run the part with --json %s", given, json, json);
     }
     p->given = given;

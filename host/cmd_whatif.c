@@ -60,9 +60,6 @@ static char *case_beside(const char *csv)
     }
     sprintf(path, "%.*s.json", (int)(n > 4 && strcmp(csv + n - 4, ".csv") == 0 ? n - 4 : n), csv);
     if (access(path, F_OK) != 0) {
-        if (access(csv, F_OK) != 0) {
-            die(EXIT_USAGE, "%s: there is no such file; give --from F.csv, what montecarlo --csv F.csv --json F.json wrote", csv);
-        }
         die(EXIT_USAGE, "%s: its laws are unknown, there is no %s; give --case-json F, the JSON that the same run of montecarlo wrote", csv, path);
     }
     return path;
@@ -200,7 +197,10 @@ int command_whatif(int argc, char **argv)
     if (!ask.from) {
         die(EXIT_USAGE, "whatif: nothing to start from; give --from F.csv, what montecarlo --csv F.csv --json F.json wrote");
     }
-    stored_open_run(&ask.run, ask.case_json ? ask.case_json : case_beside(ask.from));
+    stored_need(ask.from);
+    ask.case_json = ask.case_json ? ask.case_json : case_beside(ask.from);
+    stored_need(ask.case_json);
+    stored_open_run(&ask.run, ask.case_json);
     check_input(ask.from, &opts.json, 1);
     check_input(ask.run.path, &opts.json, 1);
     ask.limit = isnan(ask.limit) ? (double)ask.run.run.limit : ask.limit;

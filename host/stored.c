@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "../firmware/link/crc32c.h"
 #include "stored.h"
@@ -85,6 +86,13 @@ static void take_key(void *context, const char *path, const char *value)
     }
     if (f->part && strcmp(path, "refused_first") == 0) {
         take_refused(f, value);
+    }
+}
+
+void stored_need(const char *path)
+{
+    if (access(path, F_OK) != 0) {
+        die(EXIT_USAGE, "%s: there is no such file; give what montecarlo --csv F.csv --json F.json wrote", path);
     }
 }
 

@@ -50,6 +50,9 @@ typedef struct {
 typedef void (*json_visit)(void *context, const char *path, const char *value);
 long json_walk(const char *text, json_visit visit, void *context);
 
+/* Dies with exit 2 where a file that the user named is not there. */
+void stored_need(const char *path);
+
 /* The JSON of a run; dies with exit 1 where it cannot be read, with exit 2 where it is not that of montecarlo, was changed (it ends with its
  * CRC) or the run stopped itself. */
 void stored_open_run(stored_run *run, const char *path);

@@ -205,6 +205,8 @@ def check_misfits(folder):
     refused("merge c.csv", folder, "not finished", "--resume")
     os.remove(os.path.join(folder, "c.csv.journal"))
     os.rename(os.path.join(folder, "c.csv"), os.path.join(folder, "gone.csv"))
+    refused("merge c.csv", folder, "c.csv: there is no such file")
+    os.mkdir(os.path.join(folder, "c.csv"))
     refused("merge c.csv", folder, "c.csv: cannot be read", status=1)
     for args in ("merge", "merge --json x.json", "merge a.txt", "merge .csv", "merge a.csv --csv", "merge a.json --csv x.csv", "merge a.csv --seed 1",
                  "merge a.csv --csv x --json x", "merge a.csv --threads 2"):
@@ -245,12 +247,12 @@ def check_array(folder):
         run = subprocess.run(["sh", script, "old", "103", "4"] + shlex.split(CASE), cwd=folder, env=env, capture_output=True, text=True, check=False)
         claim(run.returncode == 2 and f"array.sh: {name}: " in run.stderr and not os.path.exists(os.path.join(folder, "old.study")), f"{name} left by an unknown study: {run.stderr!r}")
         os.remove(os.path.join(folder, name))
-    spaced = os.path.join(folder, "two words *")
-    os.mkdir(spaced)
     for args, status, words in (("wrong 9 3 --mu nonsense", 2, "--mu nonsense: not a finite number"), ("nothing 9 3 --step 0.02 --duration 2", 1, "none of 9 realisations")):
         run = subprocess.run(["sh", script] + shlex.split(args), cwd=folder, env=env, capture_output=True, text=True, check=False)
         claim(run.returncode == status and words in run.stderr, f"array.sh {args}: exit {run.returncode}, {run.stderr!r}")
     claim(os.path.exists(os.path.join(folder, "nothing.json")), "parts without an answer are put together")
+    spaced = os.path.join(folder, "two words *")
+    os.mkdir(spaced)
     for again in (False, True):
         run = subprocess.run(["sh", script, f"{spaced}/run", "103", "4"] + shlex.split(CASE), env=env, capture_output=True, text=True, check=False)
         claim(run.returncode == 0 and read(spaced, "run.csv") == read(folder, "one.csv"), f"a directory with a space, again: {again}: {run.stderr!r}")
