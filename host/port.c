@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 #include <sys/wait.h>
 #include <termios.h>
@@ -63,8 +64,14 @@ static const struct {
 #endif
 };
 
+static _Noreturn void refuse_no_device(const port *p)
+{
+    die(EXIT_USAGE, "--port %s: not a serial device; give /dev/ttyACM0, tcp:HOST:PORT, unix:PATH or qemu:NAME", p->text);
+}
+
 static void parse_serial(port *p, const char *text)
 {
+    struct stat there;
     const char *const comma = strrchr(text, ',');
     const int given = comma && strncmp(comma, ",baud=", 6) == 0;
     unsigned known = 0;
@@ -78,8 +85,11 @@ static void parse_serial(port *p, const char *text)
     if (known == sizeof(speeds) / sizeof(speeds[0])) {
         die(EXIT_USAGE, "--port %s: %u baud is not offered; give 9600, 19200, 38400, 57600, 115200, 230400, 460800 or 921600", text, p->baud);
     }
-    if (access(p->where, F_OK) != 0) {   /* one that goes away later is waited for */
+    if (stat(p->where, &there) != 0) {   /* one that goes away later is waited for */
         die(EXIT_USAGE, "--port %s: %s; plug the board in, or give its path, e.g. /dev/ttyACM0", text, strerror(errno));
+    }
+    if (!S_ISCHR(there.st_mode)) {
+        refuse_no_device(p);
     }
 }
 
@@ -155,7 +165,7 @@ static int open_serial(port *p)
         die(EXIT_FAILED, "%s: no permission; on Debian add yourself to the group dialout", p->where);
     }
     if (p->fd >= 0 && !isatty(p->fd)) {
-        die(EXIT_USAGE, "--port %s: not a serial device; give /dev/ttyACM0, tcp:HOST:PORT, unix:PATH or qemu:NAME", p->text);
+        refuse_no_device(p);
     }
     if (p->fd < 0 || !port_settle(p->fd, p->baud)) {
         return fail_at(p, p->where);

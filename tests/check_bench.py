@@ -349,7 +349,7 @@ def boards_that_do_not_agree():
 
 
 USAGE = ["", "--port nowhere", "--port qemu:nope", "--port qemu:../rv32", "--port qemu:targets", "--port tcp:x", "--port tcp::1", "--port tcp:x:0", "--port unix:",
-         "--port qemu:", "--port /dev/null", "--port /dev/ttyS9,baud=77", "--port qemu:rv32 --image Makefile", "--port qemu:rv32 --image nothing", "--port qemu:rv32 --mode nope",
+         "--port qemu:", "--port /dev/null", "--port /tmp", "--port ./Makefile", "--port /dev/ttyS9,baud=77", "--port qemu:rv32 --image Makefile", "--port qemu:rv32 --image nothing", "--port qemu:rv32 --mode nope",
          "--port qemu:rv32 --mode lockstep --samples 3", "--port qemu:rv32 --port qemu:rv32 --mode lockstep", "--port qemu:rv32 --out x", "--port qemu:rv32 --overload 5",
          "--port qemu:rv32 --mode realtime --overload 5", "--port qemu:rv32 --mode realtime --overload x:5", "--port qemu:rv32 --mode realtime --drive soft",
          "--port qemu:rv32 --mode realtime --policy no", "--port qemu:rv32 --mode realtime --stream-hz 1e-12", "--port qemu:rv32 --mode realtime --step 0.0005", "--port qemu:rv32 --mode lockstep --frame-ticks 0",
