@@ -8,7 +8,7 @@
 
 #define HALF_LOG_2PI W(0.91893853320467274178)
 #define TERMS 100000             /* bound of the continued fraction: enough for n = 1e9 */
-#define TINY W(1e-30)
+#define TINY (sizeof(wide) > sizeof(float) ? W(1e-30) : W(1e-10))    /* 1 / (a + b) is more */
 #define MOST W(1e12)             /* of the fraction, which stays below a + b */
 #define EPS (sizeof(wide) > sizeof(float) ? W(1e-16) : W(6e-8))
 #define HALVINGS (sizeof(wide) > sizeof(float) ? 60 : 30)
@@ -58,6 +58,19 @@ static wide above_zero(wide x)
     return x > TINY ? x : TINY;
 }
 
+static wide bounded(wide x)
+{
+    return x < MOST ? x : MOST;
+}
+
+/* The factor by which one more partial numerator changes Lentz's fraction. */
+static wide lentz(wide numerator, wide *c, wide *d)
+{
+    *d = 1 / above_zero(1 + numerator * *d);
+    *c = above_zero(1 + numerator / *c);
+    return sizeof(wide) > sizeof(float) ? *c * *d : bounded(*c * *d);      /* in double nothing overflows before f is bounded */
+}
+
 /* Continued fraction of I_x(a, b) without its front factor, for x < (a + 1) / (a + b + 2), where all that is divided by is above 0 but
  * for rounding. It times the front factor is a probability: it stays below a + b. */
 static wide fraction(wide a, wide b, wide x)
@@ -69,14 +82,9 @@ static wide fraction(wide a, wide b, wide x)
         const wide odd = -(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1));
         wide change;
 
-        d = 1 / above_zero(1 + even * d);
-        c = above_zero(1 + even / c);
-        f *= c * d;
-        d = 1 / above_zero(1 + odd * d);
-        c = above_zero(1 + odd / c);
-        change = c * d;
-        f *= change;
-        f = f < MOST ? f : MOST;
+        f *= lentz(even, &c, &d);
+        change = lentz(odd, &c, &d);
+        f = bounded(f * change);
         if (change - 1 < EPS && change - 1 > -EPS) {
             break;
         }

@@ -55,7 +55,7 @@ kelly_status kelly_plant_start_commanded(kelly_plant *plant, const kelly_table *
  * stays; `weight` [N] takes the place of fc in (F) at once, the modes stay. Nothing where the plant was not started commanded. */
 void kelly_plant_command(kelly_plant *plant, real top_speed, real weight, uint32_t ticks);
 
-/* Whether the step can be trusted with such a command: finite values, weight > 0 and within the bound of kelly_realise,
+/* Whether the step can be trusted with such a command: numbers up to 1e30, weight > 0 and within the bound of kelly_realise,
  * |top_speed| within KELLY_TURN a step. One that it cannot be trusted with may lead to a state that is not sane. */
 int kelly_plant_allows(const kelly_plant *plant, real top_speed, real weight);
 

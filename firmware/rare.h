@@ -99,7 +99,7 @@ typedef struct {
 typedef struct {
     const kelly_table *table;
     const kelly_case *run;
-    const float *plane;                 /* [KELLY_PARAMETERS], or 0 */
+    const float *plane;                 /* [KELLY_PARAMETERS], up to 60 each, or 0 */
 } kelly_rare_hint;
 
 /* Not to be written, except the guides. */

@@ -23,7 +23,7 @@
 #define KELLY_LEAST_ESS W(100.0)   /* fewer carry no estimate */
 #define KELLY_MOST_SHARE W(0.05)   /* nor does a sum of which one realisation is more */
 
-/* Laws of the five parameters, in their order: means 1e-30 .. 1e30, cov 1e-4 .. 0.5, or 0: not random. */
+/* Laws of the five parameters, in their order: means 1e-30 .. 1e30 where wide is double, cov 1e-4 .. 0.5, or 0: not random. */
 typedef struct {
     wide mean[KELLY_PARAMETERS], cov[KELLY_PARAMETERS];
 } kelly_laws;
@@ -55,7 +55,7 @@ kelly_law_fit kelly_law_fits(const kelly_laws *from, const kelly_laws *to, unsig
 /* From laws that fit. */
 void kelly_reweight_start(kelly_reweight *sums, const kelly_laws *from, const kelly_laws *to);
 
-/* A realisation with parameters y, 1e-36 .. 1e36; status as in kelly_result. */
+/* A realisation with parameters y, 1e-36 .. 1e36 where wide is double; status as in kelly_result. */
 void kelly_reweight_add(kelly_reweight *sums, const wide y[KELLY_PARAMETERS], int status, int stuck);
 
 void kelly_reweight_read(const kelly_reweight *sums, kelly_reweighted *result);

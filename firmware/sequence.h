@@ -29,7 +29,7 @@
 
 #include "tally.h"
 
-/* Confidence 1 - alpha, 0 < alpha < 1, of P after k of n: lo alone, and hi alone by symmetry. 0 and 1 where n is 0. */
+/* Confidence 1 - alpha, 0 < alpha < 1 (normal), of P after k of n: lo alone, and hi alone by symmetry. 0 and 1 where n is 0. */
 float kelly_sequence_lo(uint32_t k, uint32_t n, float alpha);
 float kelly_sequence_hi(uint32_t k, uint32_t n, float alpha);
 

@@ -42,7 +42,7 @@ void kelly_interval(const kelly_tally *tally, wide *lo, wide *hi);
 wide kelly_binomial_lo(uint32_t k, uint32_t n, wide tail);
 wide kelly_binomial_hi(uint32_t k, uint32_t n, wide tail);
 
-/* ln Gamma(n + 1) - (n + 1/2) ln n + n - ln(2 pi) / 2 for n > 0: what Stirling's formula leaves, 1 / (12 n) and less. */
+/* ln Gamma(n + 1) - (n + 1/2) ln n + n - ln(2 pi) / 2 for n of 1e-30 and more: what Stirling's formula leaves, 1 / (12 n) and less. */
 wide kelly_stirling(wide n);
 
 #endif

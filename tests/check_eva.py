@@ -21,7 +21,8 @@ import sys
 sys.dont_write_bytecode = True
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 EVA = os.path.join(ROOT, "tests", "eva")
-DOUBLE, REST, LEVELS = (option in sys.argv[1:] for option in ("--double", "--rest", "--levels"))
+OPTIONS = ("--double", "--rest", "--levels")
+DOUBLE, REST, LEVELS = (option in sys.argv[1:] for option in OPTIONS)
 OUT = os.path.join(ROOT, "build", "eva" + "-rest" * REST + "-double" * DOUBLE + "-levels" * LEVELS)
 JOBS = int(os.environ.get("EVA_JOBS", "1"))     # drivers at a time
 
@@ -68,7 +69,7 @@ DRIVERS = {
     "walk": (["rare_walk", "detmath"],
              "-eva-precision 0 -eva-slevel 60 -eva-auto-loop-unroll 50 -eva-split-return full -eva-use-spec kelly_normal,kelly_log32"),
     "look": (["rare_look", "rare_answer", "detmath"],
-             "-eva-precision 0 -eva-slevel 0 -eva-slevel-function share_seen:200,kelly_rare_compare:10,kelly_rare_read:4 -eva-auto-loop-unroll 16 -eva-min-loop-unroll 5 "
+             "-eva-precision 0 -eva-slevel 0 -eva-slevel-function share_seen:200,kelly_rare_compare:10,kelly_rare_read:4 -eva-auto-loop-unroll 41 -eva-min-loop-unroll 41 "
              "-eva-use-spec kelly_exp,kelly_log"),
     "guide": (["rare_guide", "string_model", "link/crc32c", "tables/paper", "detmath"],
               "-eva-precision 0 -eva-slevel 500 -eva-slevel-function forced:0,slope_of:0,ratio_of:0,kelly_tanh:0,kelly_poly:0,main:0,hints:0 "
@@ -89,6 +90,8 @@ DRIVERS = {
               "-eva-precision 1 -eva-slevel 200 -eva-slevel-function kelly_plant_start:5000,kelly_plant_start_commanded:5000,prepare:5000,start:5000,use:2000 -eva-domains cvalue,equality,symbolic-locations -eva-auto-loop-unroll 24 -eva-split-return full "
               "-eva-use-spec kelly_sin_turn"),
 }
+# Drivers of what computes in wide (real.h), which is float on a board: run as there, too.
+BOARD = "math exp interval statistics text device sequence ensemble rare look walk".split()
 # what each file needs besides eva.h
 FLAGS = {"step": "-include torque.h", "turns": "-DSLICES_A=1 -include torque.h -DKELLY_VECTORS=4", "driven": "-include torque.h",
          **dict.fromkeys(("unpacking", "round trip"), " -include receiver.h"),
@@ -124,14 +127,16 @@ ASSUMED = [
     "draws within what string_model.h says of mu (fc + f0), a1, a2, w0; h w0 within 2.8 rad a step (kelly_realise)",
     "a step starts from a state within bounds: stages up to 1e7 rad/s, and a lever h/2 (sum of b^2) that fits the weight as "
     "kelly_realise has it; that RK4 stays within them is its stability, and is checked at run time (kelly_block_sane)",
-    "steps of 2 beta and more; weights between a lightest and a heaviest slice, counts of modes between 1 and all, and all slices of a2 but one where there are four "
-    "vectors are left to --rest",
+    "steps of 2 beta and more; weights between a lightest and a heaviest slice, counts of modes of a plant but 1 and all, of a realisation and a guide but "
+    "all, and all slices of a2 but one where there are four vectors are left to --rest",
+    "on a board wide is float: the drivers of what has it there are run so too (BOARD); reweight.h and sobol.h are for where it is double",
+    "string_model.h: impedance of a drive within 1e12, its frequency within 1 kHz; envelope.h: no x that is not finite",
     "under a soft drive or a commanded top: what a step moves belongs together as tests/eva/driven.c has it (kelly_realise)",
     "plant.h: mu within 3 m, f0 within 5e5 N; readings of a sane string, speeds within 1e6 rad/s, modal values within 1e15",
     "ensemble.h: propagators are stubs there",
     "rare.h: memory, indices and what is summed or divided over the samples of a level are proved for a level of any size (WP, floats as reals, "
-    "with room for their rounding; not that a loop ends), all other values with 40 samples (a look's with 4); a run that is done has a failure "
-    "among its samples, and what was measured of a level stays; tests/eva/levels.h is taken at its word of "
+    "with room for their rounding; not that a loop ends), all other values with 40 samples; a run that is done has a failure "
+    "among its samples and the finds that judge_failures asks for, and what was measured of a level stays; tests/eva/levels.h is taken at its word of "
     "kelly_rare_move, kelly_rare_guess, kelly_rare_resonance, kelly_rare_product, kelly_rare_read, kelly_rng_key, kelly_gamma_normal, kelly_splitmix64; a walk stays within |x| of 1000, as "
     "9.3 sqrt(1 + moves) is all that 11 levels of 9 led moves of 8 steps make; hints within 1e6, a level of them within 1e9, variances of a level within 1e9",
     "rare.h: speeds of 0.01 rad/s and more, under a guide or hint that lies within the ranges of string_model.h",
@@ -268,7 +273,8 @@ def rest():
     """(driver, flags) of what a driver leaves out: weights from 2^4 and 2^26 on, inwards; laws; counts of modes."""
     laws = " -USLICES_A -DSLICES_A=9"
     weights = [f" -DLEAST_M={2.0 ** k} -DLARGEST_M={2.0 ** (30 - k)}" for k in range(4, 16)]
-    return [("plant", " -DFURTHER=1"), *[("turns", laws + of) for of in ["", *weights]], *[(d, of) for of in weights for d in ("torque", "step", "driven")]]
+    counts = [("plant", " -DFURTHER=1"), *[(driver, f" -DMODES={n}") for n in range(1, 20) for driver in ("load", "guide")]]
+    return [*counts, *[("turns", laws + of) for of in ["", *weights]], *[(d, of) for of in weights for d in ("torque", "step", "driven")]]
 
 
 def prove(runs):
@@ -315,7 +321,7 @@ def check_contracts():
             text = source.read()
         promising = re.findall(r"ensures [^*]*\*/\n[\w *]*?\**(\w+)\(", text)
         bodies = re.findall(r"^[a-z][\w *]*?\**(\w+)\([^;{]*\n\{\n(.*?)^\}", text, re.M | re.S)
-        promising += [function for function, body in bodies if re.search("loop invariant|//@ assert [a-z]+:", body)]
+        promising += [function for function, body in bodies if re.search("loop invariant|@ *assert [a-z]+:", body)]
         done = [function for files, functions, *_ in WP.values() if files[0] == file for function in functions.split(",")]
         claim(set(promising) <= set(done), f"WP: {file}: {promising} promise something, {done} are proved")
     with open(os.path.join(EVA, "levels.h"), encoding="utf-8") as header:
@@ -361,8 +367,10 @@ def faults():
 
 
 def main():
-    only = [name for name in sys.argv[1:] if not name.startswith("--")]
-    runs = [] if LEVELS else rest() if REST else [(name, "") for name in only or DRIVERS]
+    only = [name for name in sys.argv[1:] if name not in OPTIONS]
+    if not set(only) <= set(DRIVERS):
+        sys.exit(f"check_eva: {', '.join(set(only) - set(DRIVERS))}: neither one of {', '.join(OPTIONS)} nor a driver")
+    runs = [] if LEVELS else rest() if REST else [(name, "") for name in only or DRIVERS] + [(name, " -ffreestanding") for name in BOARD if not only and not DOUBLE]
     if shutil.which("why3"):      # a list of provers of our own: another run beside this one may be writing its
         os.makedirs(OUT, exist_ok=True)
         os.environ["WHY3CONFIG"] = os.path.join(OUT, "why3.conf")

@@ -23,7 +23,7 @@ real kelly_sin_turn(uint64_t phase);
 float kelly_log32(float x);
 #endif
 
-/*@ requires \is_finite(x) && x >= 0x1p-1022;
+/*@ requires \is_finite(x) && x >= LEAST_WIDE;
     assigns \result \from x;
     ensures \is_finite(\result) && -709 <= \result <= 710;
     ensures x >= 1 ==> \result >= 0; */
@@ -32,7 +32,7 @@ wide kelly_log(wide x);
 /* exp.c */
 /*@ requires \is_finite(x);
     assigns \result \from x;
-    ensures \is_finite(\result) && 0 <= \result <= 1.2e308;
+    ensures \is_finite(\result) && 0 <= \result <= MOST_EXP;
     ensures x <= 0 ==> \result <= 4;
     ensures x >= 0 ==> \result >= 0.0625;
     ensures x <= 77 ==> \result <= 1e45; */

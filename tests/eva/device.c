@@ -30,7 +30,7 @@ void say_hex(uint32_t value) { (void)value; }
 
 void say_fixed(wide value, unsigned digits)
 {
-    //@ assert digits <= 7 && -1e38 <= value <= 1e38;
+    //@ assert digits <= 7 && -1e31 <= value <= 1e31;
 }
 
 void say_number(const char *name, uint32_t value)

@@ -26,7 +26,7 @@ static void any_driven(real h, real m)
     driven.h = any_real(h, 2 * h);
     driven.alpha = any_real(0, R(1.0));
     driven.be = any_real(0, R(0.5));
-    driven.modes = KELLY_MODES_MAX;
+    driven.modes = Frama_C_unsigned_int_interval(1, KELLY_MODES_MAX);
     driven.vectors = 1;
     driven.step_ns = any_u32();
     driven.phase[0] = any_u64();

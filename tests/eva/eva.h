@@ -44,6 +44,18 @@ static inline int eva_clzll(unsigned long long x)
 #define ANY_REAL ANY_FLOAT
 #endif
 
+/* wide (real.h): double on a host, float on a board (BOARD in tests/check_eva.py) unless real is double there. */
+#if defined(KELLY_DOUBLE) || __STDC_HOSTED__
+#define any_wide Frama_C_double_interval
+#define WIDER(host, board) (host)
+#else
+#define any_wide Frama_C_float_interval
+#define WIDER(host, board) (board)
+#endif
+#define ANY_WIDE WIDER(ANY_DOUBLE, ANY_FLOAT)
+#define LEAST_WIDE WIDER(0x1p-1022, 0x1p-126f)     /* normal */
+#define MOST_EXP WIDER(1.2e308, 3e38)
+
 static inline unsigned char any_byte(void) { return Frama_C_unsigned_char_interval(0, 255); }
 static inline uint32_t any_u32(void) { return Frama_C_unsigned_int_interval(0, 0xffffffffu); }
 static inline uint64_t any_u64(void) { return Frama_C_unsigned_long_long_interval(0, 0xffffffffffffffff); }

@@ -6,7 +6,9 @@
 
 #define X 3e3f                           /* as far as a move tries: walk.c */
 #define SLOWEST 1e-2f
+#ifndef MODES
 #define MODES 20                         /* all of the committed table */
+#endif
 #define SPEEDS 10u                       /* slices, each to 4 times its least */
 #define LEAST_A2 1e-4f
 #define A2S 10u                          /* to 16 times */
@@ -107,7 +109,7 @@ static void plane(void)
 
     any_x(x);
     for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {
-        plane[k] = Frama_C_float_interval(-1e2f, 1e2f);
+        plane[k] = Frama_C_float_interval(-60.0f, 60.0f);
     }
     hint.plane = plane;
     (void)kelly_rare_guess(&hint, x);

@@ -12,10 +12,10 @@ uint32_t kelly_refused(const kelly_tally *of)
 
 int main(void)
 {
-    const wide tail = Frama_C_double_interval(0, 0.5);
+    const wide tail = any_wide(0, 0.5);
     wide lo, hi, rest;
 
-    rest = kelly_stirling(Frama_C_double_interval(1e-300, 1e300));
+    rest = kelly_stirling(any_wide(WIDER(1e-300, 1e-30f), WIDER(1e300, 1e30f)));
     //@ assert -1e6 <= rest <= 1e6;
     lo = kelly_binomial_lo(any_u32(), Frama_C_unsigned_int_interval(1, UINT32_MAX), tail);
     //@ assert 0 <= lo <= 1;

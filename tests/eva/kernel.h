@@ -17,7 +17,9 @@ uint64_t kelly_phase_step(real w, uint32_t step_ns);
     ensures \is_finite(block->lane[0].muf) && \is_finite(block->lane[0].t1); */
 void kelly_block_resync(kelly_block *block, unsigned lane);
 
+#ifndef MODES
 #define MODES 20                         /* all of the committed table */
+#endif
 
 static kelly_case run;
 static kelly_draw draw;

@@ -112,7 +112,8 @@ static void adapt(kelly_rare *rare);
 static kelly_rare_state judge(const kelly_rare *rare);
 /*@ requires sized(rare) && held(rare);
     assigns \nothing;
-    ensures \result != KELLY_RARE_RUNNING; */
+    ensures \result != KELLY_RARE_RUNNING;
+    ensures \result == KELLY_RARE_DONE ==> rare->finds >= 1; */
 static kelly_rare_state judge_failures(const kelly_rare *rare);
 /*@ requires sized(rare) && held(rare);
     assigns \nothing; */
@@ -164,7 +165,7 @@ void kelly_rare_see(const kelly_rare *look, kelly_rare_seen *seen);
     assigns *out; */
 void kelly_rare_read(const kelly_rare *rare, kelly_rare_estimate *out);
 /*@ requires sized(rare) && held(rare) && \valid_read(hint) && \valid_read(hint->run) && \valid(most);
-    requires \exists integer j; 0 <= j < rare->n && rare->samples[j].guide >= KELLY_RARE_FAILED;
+    requires rare->finds >= 1 && \exists integer j; 0 <= j < rare->n && rare->samples[j].guide >= KELLY_RARE_FAILED;
     assigns *most;
     ensures 0 <= \result <= 1; */
 static wide share_seen(const kelly_rare *rare, const kelly_rare_hint *hint, unsigned mode, wide *most);

@@ -1,9 +1,10 @@
-/* The look of rare.h: searches in any state, of 4 samples; of a comparison, with each of them a failure in turn. Stubs: the search (rare.c), the
+/* The look of rare.h: searches in any state, of 40 samples; of a comparison, with each of them a failure in turn. Stubs: the search (rare.c), the
  * resonance (guide.c). */
 #include "rare.h"
 #include "contracts.h"
 
-#define SAMPLES 4u
+#define SAMPLES 40u
+#define CHAINS (SAMPLES / KELLY_RARE_STATES)
 
 static kelly_rare rare;
 static kelly_rare_sample samples[SAMPLES];
@@ -34,18 +35,19 @@ static void any_state(void)
     for (unsigned i = 0; i < KELLY_RARE_LEVELS; i++) {
         rare.levels[i].failed = Frama_C_unsigned_int_interval(0, SAMPLES);
         rare.levels[i].inside = Frama_C_unsigned_int_interval(1, SAMPLES);
-        rare.levels[i].variance = Frama_C_double_interval(0, 1e9);
+        rare.levels[i].variance = any_wide(0, 1e9);
     }
     rare.state = (kelly_rare_state)Frama_C_unsigned_int_interval(0, KELLY_RARE_OUTCOMES - 1);
     rare.level = Frama_C_unsigned_int_interval(0, KELLY_RARE_LEVELS - 1);
     rare.n = SAMPLES;
-    rare.chains = 1;
+    rare.chains = CHAINS;
+    rare.step = Frama_C_float_interval(0.02f, 1.0f);
     rare.quarter = Frama_C_unsigned_int_interval(0, 3);
     rare.at = Frama_C_unsigned_int_interval(1, KELLY_RARE_STATES - 1);
     rare.samples = samples;
     rare.finds = Frama_C_float_interval(1.0f, 1.1e12f);
-    rare.first = Frama_C_nondet(0, 1) ? 1 : SAMPLES / 2;
-    rare.count = Frama_C_nondet(0, 1) ? 0 : SAMPLES / 2;
+    rare.first = Frama_C_nondet(0, 1) ? CHAINS : SAMPLES / 2;
+    rare.count = Frama_C_nondet(0, 1) ? 0 : CHAINS / 4;
     run.limit = any_real(0, R(10.0));
 }
 
@@ -63,7 +65,7 @@ wide kelly_binomial_lo(uint32_t k, uint32_t n, wide tail)
 {
     (void)k, (void)tail;
     //@ assert n >= 1;
-    return Frama_C_double_interval(0, 1);
+    return any_wide(0, 1);
 }
 
 wide kelly_binomial_hi(uint32_t k, uint32_t n, wide tail) { return kelly_binomial_lo(k, n, tail); }
@@ -71,7 +73,7 @@ wide kelly_binomial_hi(uint32_t k, uint32_t n, wide tail) { return kelly_binomia
 static void look(void)
 {
     any_state();
-    kelly_rare_look(&rare, &hint, Frama_C_unsigned_int_interval(0, KELLY_MODES_MAX - 1), Frama_C_double_interval(0, 1),
+    kelly_rare_look(&rare, &hint, Frama_C_unsigned_int_interval(0, KELLY_MODES_MAX - 1), any_wide(0, 1),
                     Frama_C_unsigned_int_interval(1, KELLY_RARE_MAX));
     //@ assert rare.count <= SAMPLES;
 }
@@ -89,7 +91,7 @@ static void see(uint32_t count)
 
 static void compare(uint32_t failed)
 {
-    const kelly_rare_seen seen = { .probability = Frama_C_double_interval(0, 1), .variance = Frama_C_double_interval(0, 1e40),
+    const kelly_rare_seen seen = { .probability = any_wide(0, 1), .variance = any_wide(0, 1e40),
                                    .tried = Frama_C_unsigned_int_interval(1, SAMPLES), .failed = Frama_C_unsigned_int_interval(0, SAMPLES) };
 
     any_state();
@@ -100,11 +102,11 @@ static void compare(uint32_t failed)
 int main(void)
 {
     look();
-    //@ loop unroll 5;
+    //@ loop unroll 41;
     for (uint32_t k = 0; k <= SAMPLES; k++) {
         see(k);
     }
-    //@ loop unroll 4;
+    //@ loop unroll 40;
     for (uint32_t k = 0; k < SAMPLES; k++) {
         compare(k);
     }

@@ -136,7 +136,7 @@ static void any_start(uint8_t torsional, uint8_t axial)
     run.drive.inertia = Frama_C_nondet(0, 1) ? 0 : any_real(R(1.0), R(1e12));
     run.drive.impedance = any_real(0, R(1e12));
     run.drive.hz = any_real(0, R(1e3));
-    draw.fc = any_real(0, R(1e7));
+    draw.fc = any_real(0, R(1e9));
     draw.mu = any_real(0, R(3.0));
     draw.a1 = any_real(0, R(1000.0));
     draw.a2 = any_real(R(1e-4), R(1.8e7));
@@ -148,8 +148,8 @@ static void use(void)
     real low, high, q[KELLY_MODES_MAX], v[KELLY_MODES_MAX];
     kelly_sight sight;
 
-    kelly_plant_command(&plant, any_speed(), any_real(0, R(1e6)), any_u32());
-    (void)kelly_plant_allows(&plant, any_real(R(-1e30), R(1e30)), any_real(R(-1e9), R(1e9)));
+    kelly_plant_command(&plant, any_speed(), any_real(0, R(1e9)), any_u32());
+    (void)kelly_plant_allows(&plant, any_real(R(-1e30), R(1e30)), any_real(R(-1e30), R(1e30)));
     kelly_plant_advance(&plant, 2);
     for (unsigned j = 0; j < plant.axial.count; j++) {
         plant.axial.v[j] = any_real(R(-1e9), R(1e9));

@@ -45,7 +45,7 @@ wide kelly_binomial_lo(uint32_t k, uint32_t n, wide tail)
 {
     (void)k, (void)tail;
     //@ assert n >= 1;
-    return Frama_C_double_interval(0, 1);
+    return any_wide(0, 1);
 }
 
 wide kelly_binomial_hi(uint32_t k, uint32_t n, wide tail) { return kelly_binomial_lo(k, n, tail); }
@@ -81,7 +81,7 @@ static void any_levels(void)
         level->led = Frama_C_unsigned_int_interval(0, SAMPLES);
         level->led_accepted = Frama_C_unsigned_int_interval(0, SAMPLES);
         level->inside = Frama_C_unsigned_int_interval(1, SAMPLES);
-        level->variance = Frama_C_double_interval(0, 1e9);
+        level->variance = any_wide(0, 1e9);
     }
 }
 

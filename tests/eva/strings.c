@@ -10,9 +10,9 @@ static kelly_modes modes;
 static void any_case(uint8_t torsional, uint8_t axial)
 {
     run.fc = any_real(R(1e-30), R(1e9));
-    run.mu = any_real(R(1e-30), R(100.0));
-    run.a1 = any_real(R(1e-30), R(100.0));
-    run.a2 = any_real(R(1e-6), R(1e6));
+    run.mu = any_real(R(1e-30), R(1800.0));
+    run.a1 = any_real(R(1e-30), R(1000.0));
+    run.a2 = any_real(R(1e-6), R(1.8e7));
     run.w0 = any_real(R(1e-30), R(1e4));
     run.f0 = any_real(0, R(1e9));
     for (unsigned k = 0; k < KELLY_PARAMETERS; k++) {

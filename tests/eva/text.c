@@ -8,12 +8,12 @@ static void numbers(void)
 {
     say_decimal(any_u32());
     say_hex(any_u32());
-    //@ loop unroll 7;
-    for (unsigned digits = 0; digits < 7; digits++) {
-        say_fixed(Frama_C_double_interval(-1e30, 1e30), digits);
+    //@ loop unroll 8;
+    for (unsigned digits = 0; digits <= 7; digits++) {
+        say_fixed(any_wide(-1e31, 1e31), digits);
     }
     say_number("n ", any_u32());
-    say_value("v ", Frama_C_double_interval(-1e30, 1e30), 3);
+    say_value("v ", any_wide(-1e31, 1e31), 3);
 }
 
 static void ring(void)
