@@ -132,7 +132,7 @@ ASSUMED = [
     "on a board wide is float: the drivers of what has it there are run so too (BOARD); reweight.h and sobol.h are for where it is double",
     "string_model.h: impedance of a drive within 1e12, its frequency within 1 kHz; envelope.h: no x that is not finite",
     "under a soft drive or a commanded top: what a step moves belongs together as tests/eva/driven.c has it (kelly_realise)",
-    "plant.h: mu within 3 m, f0 within 5e5 N; readings of a sane string, speeds within 1e6 rad/s, modal values within 1e15",
+    "plant.h: readings of a sane string, speeds within 1e6 rad/s, modal values within 1e15",
     "ensemble.h: propagators are stubs there",
     "rare.h: memory, indices and what is summed or divided over the samples of a level are proved for a level of any size (WP, floats as reals, "
     "with room for their rounding; not that a loop ends), all other values with 40 samples; a run that is done has a failure "

@@ -128,7 +128,7 @@ static kelly_draw draw;
 
 static void any_start(uint8_t torsional, uint8_t axial)
 {
-    run.f0 = any_real(0, R(5e5));
+    run.f0 = any_real(0, R(1e9));
     run.step_ns = Frama_C_unsigned_int_interval(1000, 1000000000);
     run.torsional = torsional;
     run.axial = axial;
