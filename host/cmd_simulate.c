@@ -27,12 +27,12 @@ _Noreturn void plant_refuse(const kelly_plant *plant, const options *opts, const
             (double)kelly_string.fc_min / 1000.0, (double)kelly_string.fc_max / 1000.0);
     }
     if (step < (double)kelly_smallest_step(&plant->modes)) {
-        die(EXIT_USAGE, "--step %.12g: too short for %s, whose rounding would drown the slowest mode; give at least %.6g s%s", step,
-            sizeof(real) > 4 ? "double" : "float", (double)kelly_smallest_step(&plant->modes), sizeof(real) > 4 ? "" : ", or build with REAL=double");
+        die(EXIT_USAGE, "--step %.12g: too short for %s, whose rounding would drown the slowest mode; give at least %s s%s", step,
+            sizeof(real) > 4 ? "double" : "float", step_text((double)kelly_smallest_step(&plant->modes), 1, safe), sizeof(real) > 4 ? "" : ", or build with REAL=double");
     }
     largest = fmin((double)kelly_largest_step(&kelly_string, &opts->run, draw, &plant->modes),
                    (double)kelly_axial_largest_step(&kelly_string, &opts->run, draw));
-    die(EXIT_USAGE, "--step %.12g: too long for this case; the largest safe step is %s s%s", step, step_text(largest, safe),
+    die(EXIT_USAGE, "--step %.12g: too long for this case; the largest safe step is %s s%s", step, step_text(largest, 0, safe),
         largest < STEP_LEAST ? ", and none below 1e-06 s can be given: another case is needed" : "");
 }
 

@@ -72,9 +72,9 @@ const char *drive_remark(const kelly_drive *drive, char text[DRIVE_TEXT]);
 #define STEPS_MOST 4e9
 double case_seconds(const kelly_case *run, uint32_t ticks);
 
-/* A safe step > 0 [s], however small, in four digits, rounded down so that --step may be given it. Returns `text`. */
+/* The largest safe step > 0 [s], or the `least`, in four digits, rounded so that --step may be given it. Returns `text`. */
 #define STEP_TEXT 16
-const char *step_text(double seconds, char text[STEP_TEXT]);
+const char *step_text(double seconds, int least, char text[STEP_TEXT]);
 
 /* ---- help ---------------------------------------------------------------------------------------------------- */
 

@@ -21,11 +21,11 @@ double case_seconds(const kelly_case *run, uint32_t ticks)
 }
 
 /* The least step of 1 us has four digits down to whole nanoseconds. */
-const char *step_text(double seconds, char text[STEP_TEXT])
+const char *step_text(double seconds, int least, char text[STEP_TEXT])
 {
     const double unit = pow(10.0, floor(log10(seconds)) - 3.0);
 
-    (void)snprintf(text, STEP_TEXT, "%.4g", floor(seconds / unit) * unit);
+    (void)snprintf(text, STEP_TEXT, "%.4g", (least ? ceil(seconds / unit) : floor(seconds / unit)) * unit);
     return text;
 }
 

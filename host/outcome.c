@@ -197,11 +197,11 @@ static const char *step_advice(const kelly_case *run, const kelly_tally *t, char
         return "";
     }
     if (case_seconds(run, 1) < (double)kelly_smallest_step(&modes)) {
-        snprintf(text, ADVICE_TEXT, "the step is too short for this precision, whose rounding would drown the slowest mode; give at least %.6g s",
-                 (double)kelly_smallest_step(&modes));
+        snprintf(text, ADVICE_TEXT, "the step is too short for this precision, whose rounding would drown the slowest mode; give at least %s s",
+                 step_text((double)kelly_smallest_step(&modes), 1, safe));
     } else {
         snprintf(text, ADVICE_TEXT, "the step is too long for %u of %u; the nominal case allows %s s, its tails about a third of that",
-                 t->status[KELLY_STEP], t->samples, step_text((double)kelly_largest_step(&kelly_string, run, &nominal, &modes), safe));
+                 t->status[KELLY_STEP], t->samples, step_text((double)kelly_largest_step(&kelly_string, run, &nominal, &modes), 0, safe));
     }
     return text;
 }

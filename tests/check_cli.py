@@ -325,6 +325,12 @@ def check_no_answer():
             claim(r["probability"] is None and r["ci95"] == [0, 1] and r["refused"] == 5, f"all refused: {r['probability']} {r['ci95']}")
             claim(sorted(os.listdir(where)) == ["r.csv", "r.json"], f"all refused: files {os.listdir(where)}")
             refused(kelly("float", f"merge {where}/r.csv --quiet"), 1, f"a merge of those, {case}")
+    for command in ("simulate", "montecarlo --samples 5 --cov 0"):      # a step that is told can be given
+        told = kelly("float", f"{command} --step 1e-6 --duration 0.0001 --window 0:0.0001 --out-step 1e-6")
+        least = re.search("give at least ([0-9.e-]+) s", told.stderr)
+        claim(told.returncode in (1, 2) and least, f"{command}, a step too short: {told.stderr!r}")
+        claim(least and kelly("float", f"{command} --step {least[1]} --duration {5 * float(least[1]):.12g} --out-step {least[1]}").returncode == 0,
+              f"{command}, a step too short: {least and least[1]} is not taken")
     for command in ("map --rpm 60 --wob 100", "sensitivity"):
         refused(kelly("float", f"{command} --step 0.02 --samples 5 --duration 2 --quiet"), 1, f"{command}, all refused")
     for more, files in (("", {"r.csv", "r.json"}), ("--traces {}/t.npy", {"r.csv", "r.json", "t.npy"}), ("--resume", {"r.csv", "r.json"})):
