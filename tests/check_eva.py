@@ -91,7 +91,7 @@ DRIVERS = {
               "-eva-use-spec kelly_sin_turn"),
 }
 # Drivers of what computes in wide (real.h), which is float on a board: run as there, too.
-BOARD = "math exp interval statistics text device sequence ensemble rare look walk".split()
+BOARD = "math exp interval statistics text device sequence rare look walk".split()
 # what each file needs besides eva.h
 FLAGS = {"step": "-include torque.h", "turns": "-DSLICES_A=1 -include torque.h -DKELLY_VECTORS=4", "driven": "-include torque.h",
          **dict.fromkeys(("unpacking", "round trip"), " -include receiver.h"),
