@@ -51,7 +51,8 @@ GATES = {
     "faults-inside": ("test", 600, "make -s unit && build/host/faults 3400"),
     "faults-inside-lanes": ("test", 900, f"make -s unit && {PYTHON} tests/check_faults.py float 200"),
     "fuzz-replay": ("test", 600, f"{PYTHON} tests/check_fuzz.py replay"),
-    "eva": ("prove", 2700, f"{PYTHON} tests/check_eva.py"),   # first: one thread, and the others fill what is left
+    "eva": ("prove", 2700, f"{PYTHON} tests/check_eva.py"),   # first, with the next: each one thread, and the others fill what is left
+    "eva-levels": ("prove", 2400, f"{PYTHON} tests/check_eva.py --levels"),
     "fuzz": ("prove", 1200, f"{PYTHON} tests/check_fuzz.py 60"),
     "fuzz-long": ("campaign", 6000, f"{PYTHON} tests/check_fuzz.py 600"),
     "faults-inside-long": ("campaign", 900, "make -s unit && build/host/faults 20000"),
@@ -80,7 +81,6 @@ GATES = {
     "mutants": ("prove", 1500, f"nice -n 10 {PYTHON} tests/mutate.py --mutants 60 --quick"),
     "long-run": ("campaign", 1800, f"{PYTHON} tests/check_use.py long_run"),
     "all-mutants": ("campaign", 36000, f"nice -n 10 {PYTHON} tests/mutate.py --mutants 300"),
-    "eva-levels": ("campaign", 3600, f"{PYTHON} tests/check_eva.py --levels"),
     "eva-double": ("campaign", 3000, f"{PYTHON} tests/check_eva.py --double"),
     "eva-rest": ("campaign", 6000, f"{PYTHON} tests/check_eva.py --rest"),
     "eva-rest-double": ("campaign", 9000, f"{PYTHON} tests/check_eva.py --rest --double"),

@@ -17,6 +17,12 @@
     predicate ready(kelly_rare *r) = span(r) && (r->level > 0 ==> turn(r));
     predicate paced(kelly_rare *r) = r->straight_accepted <= r->straight <= (r->level > 0 ? 100000 * r->at : 0) && 0.01 <= r->step <= 1;
     predicate going(kelly_rare *r) = ready(r) && paced(r) && (r->level > 0 ==> r->count == r->chains / 4);
+    predicate kept{K, L}(kelly_rare *r) = \at(r->n, K) == \at(r->n, L) && \at(r->chains, K) == \at(r->chains, L) &&
+      \at(r->samples, K) == \at(r->samples, L) && \at(r->keys, K) == \at(r->keys, L) && \at(r->hint, K) == \at(r->hint, L);
+    predicate stood{K, L}(kelly_rare *r) = \at(r->level, K) == \at(r->level, L) && \at(r->at, K) == \at(r->at, L) &&
+      \at(r->quarter, K) == \at(r->quarter, L) && \at(r->leads, K) == \at(r->leads, L);
+    predicate as_fast{K, L}(kelly_rare *r) = \at(r->straight, K) == \at(r->straight, L) &&
+      \at(r->straight_accepted, K) == \at(r->straight_accepted, L) && \at(r->step, K) == \at(r->step, L);
     lemma apart: \forall real a, b; -100 <= a <= 100 && -1000000 <= b <= 1000000 ==> 0 <= (a - b) * (a - b) <= 1000200010000;
     lemma few: \forall real x; 0 <= x <= 1000000 ==> 0 <= x * x <= 1000000 * x;
 */
@@ -52,7 +58,8 @@ static int is_led(const kelly_rare *rare);
     ensures held(rare); */
 void kelly_rare_lead(kelly_rare *rare, const kelly_rare_hint *hint);
 /*@ requires sized(rare) && held(rare);
-    assigns rare->samples[0 .. rare->n - 1]; */
+    assigns rare->samples[0 .. rare->n - 1];
+    ensures kept{Pre, Post}(rare) && stood{Pre, Post}(rare) && as_fast{Pre, Post}(rare); */
 static void choose_seeds(kelly_rare *rare, float guide);
 /*@ requires \valid_read(rare) && \valid(rng);
     assigns *rng; */
@@ -72,8 +79,9 @@ float kelly_gamma_normal(kelly_rng *rng, float cov);
 uint64_t kelly_splitmix64(uint64_t *state);
 /*@ requires sized(rare) && held(rare) && rare->level > 0;
     requires turn: turn(rare);
+    requires paced(rare);
     assigns rare->first, rare->count, rare->realisations, rare->samples[rare->chains .. rare->n - 1];
-    ensures span(rare) && rare->count == rare->chains / 4; */
+    ensures going(rare) && kept{Pre, Post}(rare) && stood{Pre, Post}(rare) && as_fast{Pre, Post}(rare); */
 static void propose(kelly_rare *rare);
 /*@ requires sized(rare) && held(rare);
     assigns rare->first, rare->count, rare->realisations, rare->samples[0 .. rare->n - 1];
@@ -92,20 +100,24 @@ static void descend(kelly_rare *rare, uint32_t i);
 /*@ requires sized(rare) && held(rare) && going(rare);
     assigns rare->levels[0 .. KELLY_RARE_LEVELS - 1], rare->straight, rare->straight_accepted, rare->samples[0 .. rare->n - 1];
     ensures rare->straight_accepted <= rare->straight <= (rare->level > 0 ? 100000 * (rare->at + 1) : 0);
-    ensures rare->level > 0 && rare->at % 3 == 0 ==> rare->straight > 0; */
+    ensures rare->level > 0 && rare->at % 3 == 0 ==> rare->straight > 0;
+    ensures kept{Pre, Post}(rare) && stood{Pre, Post}(rare); */
 static void settle(kelly_rare *rare);
 
 /*@ requires sized(rare) && held(rare);
     assigns rare->keys[0 .. rare->n - 1], rare->distinct, rare->finds;
-    ensures 0 <= rare->finds <= 1100000000000; */
+    ensures 0 <= rare->finds <= 1100000000000;
+    ensures kept{Pre, Post}(rare) && stood{Pre, Post}(rare); */
 static void know_failures(kelly_rare *rare);
 /*@ requires sized(rare) && held(rare);
     assigns rare->levels[0 .. KELLY_RARE_LEVELS - 1];
-    ensures rare->levels[rare->level].inside <= rare->n && 0 <= rare->levels[rare->level].variance <= 1000000000; */
+    ensures rare->levels[rare->level].inside <= rare->n && 0 <= rare->levels[rare->level].variance <= 1000000000;
+    ensures kept{Pre, Post}(rare) && stood{Pre, Post}(rare); */
 static void measure(kelly_rare *rare, float guide);
 /*@ requires sized(rare) && held(rare) && rare->straight_accepted <= rare->straight && 0 < rare->straight <= 1000000 && 0.01 <= rare->step <= 1;
     assigns rare->levels[0 .. KELLY_RARE_LEVELS - 1], rare->straight, rare->straight_accepted, rare->leads, rare->step;
-    ensures held(rare) && rare->straight == 0 && rare->straight_accepted == 0 && 0.01 <= rare->step <= 1; */
+    ensures held(rare) && rare->straight == 0 && rare->straight_accepted == 0 && 0.01 <= rare->step <= 1;
+    ensures kept{Pre, Post}(rare) && rare->level == \old(rare->level) && rare->quarter == \old(rare->quarter); */
 static void adapt(kelly_rare *rare);
 /*@ requires sized(rare) && held(rare);
     assigns \nothing; */
@@ -120,21 +132,23 @@ static kelly_rare_state judge_failures(const kelly_rare *rare);
 wide kelly_rare_product(const kelly_rare *rare);
 /*@ requires sized(rare) && held(rare);
     assigns rare->keys[0 .. rare->n - 1], rare->distinct, rare->finds, rare->levels[0 .. KELLY_RARE_LEVELS - 1];
-    ensures \result == KELLY_RARE_RUNNING ==> rare->level + 1 < KELLY_RARE_LEVELS; */
+    ensures \result == KELLY_RARE_RUNNING ==> rare->level + 1 < KELLY_RARE_LEVELS;
+    ensures kept{Pre, Post}(rare) && stood{Pre, Post}(rare) && as_fast{Pre, Post}(rare); */
 static kelly_rare_state end_level(kelly_rare *rare);
 /*@ requires sized(rare) && held(rare) && rare->leads != 0;
     assigns rare->hint_level;
-    ensures -1000000000 <= rare->hint_level <= 1000000000; */
+    ensures -1000000000 <= rare->hint_level <= 1000000000;
+    ensures kept{Pre, Post}(rare) && stood{Pre, Post}(rare) && as_fast{Pre, Post}(rare); */
 void kelly_rare_aim(kelly_rare *rare);
 /*@ requires sized(rare) && held(rare) && rare->straight == 0 && rare->straight_accepted == 0 && 0.01 <= rare->step <= 1;
     assigns *rare, rare->samples[0 .. rare->n - 1], rare->keys[0 .. rare->n - 1];
     ensures sized(rare) && held(rare) && (rare->count > 0 ==> going(rare));
-    ensures rare->n == \old(rare->n) && rare->chains == \old(rare->chains) && rare->samples == \old(rare->samples) && rare->keys == \old(rare->keys); */
+    ensures kept{Pre, Post}(rare); */
 static void next_level(kelly_rare *rare);
 /*@ requires sized(rare) && held(rare) && (rare->count > 0 ==> going(rare));
     assigns *rare, rare->samples[0 .. rare->n - 1], rare->keys[0 .. rare->n - 1];
     ensures sized(rare) && held(rare) && (rare->count > 0 ==> going(rare));
-    ensures rare->n == \old(rare->n) && rare->chains == \old(rare->chains) && rare->samples == \old(rare->samples) && rare->keys == \old(rare->keys); */
+    ensures kept{Pre, Post}(rare); */
 void kelly_rare_accept(kelly_rare *rare);
 /*@ requires \valid_read(rare);
     assigns \nothing;
