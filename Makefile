@@ -301,7 +301,7 @@ build/tables/$(name).c: build/tables/$(name).toml $(wildcard gen/*.py)
 
 # A copy tells another file of the same name from this one.
 build/tables/$(name).toml: FORCE
-	@mkdir -p $(@D); [ -r '$(WELL)' ] && [ "$$(cat '$(WELL)')" = "$$(cat $@ 2>/dev/null)" ] || cp '$(WELL)' $@ 2>/dev/null || : > $@
+	@mkdir -p $(@D); [ -f '$(WELL)' ] && [ -r '$(WELL)' ] && [ "$$(cat '$(WELL)')" = "$$(cat $@ 2>/dev/null)" ] || cp '$(WELL)' $@ 2>/dev/null || : > $@
 endif
 
 # ---- the rest -----------------------------------------------------------------------------------------------------
@@ -363,7 +363,7 @@ readme: $(dir)/kelly size                     ## the tables of the README from r
 	    size=build/size.md cycles=build/cycles.md drives=build/drives.md benches=build/benches.md rare=build/study-rare.md \
 	    plan=build/plan.md gates=build/gates.md
 
-convergence:                                  ## how many elements and modes are enough for WELL (some 40 s)
+convergence:                                  ## how many elements and modes are enough for WELL (a minute or two)
 	@$(with_python) gen '$(WELL)' --convergence
 
 tables:                                       ## regenerate firmware/tables from gen/wells/paper.toml (needs numpy), and the messages of the link

@@ -49,7 +49,7 @@ const char *kelly_rare_reason(kelly_rare_state state)
         "more than 12 levels", "the failures descend from few finds: give montecarlo, or more samples a level",
         "failures lie in more than one place: give montecarlo",
         "the limit is below 1.5 times the ss that the string has anyway: give montecarlo",
-        "refused realisations may be failures: give a shorter step",
+        "refused realisations may be failures",
     };
 
     return (unsigned)state < KELLY_RARE_OUTCOMES ? reasons[state] : "no such state";

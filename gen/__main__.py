@@ -81,7 +81,7 @@ def _read(path):
     import well as well_
     try:
         with open(path, "rb") as file:
-            return file.read().decode("utf-8")
+            return file.read().decode("utf-8-sig")   # as some editors begin a file
     except UnicodeDecodeError as error:
         raise well_.WellError(f"expected UTF-8 text, byte {error.start} is none") from None
     except (OSError, ValueError) as error:
@@ -91,7 +91,7 @@ def _read(path):
 def _text(path):
     """The file again, for the line numbers of a message."""
     try:
-        with open(path, encoding="utf-8") as file:
+        with open(path, encoding="utf-8-sig") as file:
             return file.read()
     except (OSError, ValueError):
         return ""

@@ -355,7 +355,7 @@ static void recall(campaign *c)
     kelly_result r;
     uint32_t at;
 
-    job_log(&c->out.log, c->opts, outcome_beside(c->opts), &(journal_run){ .kind = "bench", .records = c->opts->samples, .payload = sizeof(r), .sound = results_sound });
+    job_log(&c->out.log, c->opts, first_output(c->opts, (const char *const[]){ c->opts->csv, c->opts->json }, 2, "--csv or --json"), &(journal_run){ .kind = "bench", .records = c->opts->samples, .payload = sizeof(r), .sound = results_sound });
     while (journal_next(&c->out.log, &at, &r)) {
         if (!c->cells[at].done) {
             take_first(c, at, &r, NO_BOARD);

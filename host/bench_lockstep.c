@@ -87,8 +87,9 @@ static void step(lockstep *l, kelly_sight *now, uint32_t ticks)
     kelly_msg_lock_answer answer;
 
     if (!kelly_plant_allows(&l->plant, ask.top_speed, ask.weight)) {
-        die(EXIT_USAGE, "%g s: %.6g rpm at %.6g kN: more than the step can be trusted with", case_seconds(&l->s.run, l->tick),
-            (double)ask.top_speed / RPM, (double)ask.weight / 1000.0);
+        die(EXIT_USAGE, "%s, %g s: %.6g rpm at %.6g kN: more than a step of %.12g s can be trusted with; give less weight, or a shorter --step",
+            l->s.ask->profile ? l->s.ask->profile : "the exercise", case_seconds(&l->s.run, l->tick), (double)ask.top_speed / RPM,
+            (double)ask.weight / 1000.0, case_seconds(&l->s.run, 1));
     }
     session_call(&l->s, KELLY_MSG_LOCK_STEP, body, kelly_put_lock_step(body, &ask), KELLY_MSG_LOCK_ANSWER);
     if (!kelly_get_lock_answer(l->s.reply, l->s.reply_size, &answer) || answer.session != ask.session || answer.frame != ask.frame) {

@@ -1,7 +1,7 @@
 /* bench_realtime.c - the string on the board's own tick: commands in, samples out, the books at the end.
  *
- * With -icount an emulated board's second is not one of this machine's, so no commands are sent there: with --command-timeout the board
- * acts as on a host that died.
+ * With -icount an emulated board's second is not one of this machine's, so no commands are sent there, and neither a profile nor a frame a
+ * second is taken: with --command-timeout the board acts as on a host that died.
  */
 #include <errno.h>
 #include <fcntl.h>
@@ -24,6 +24,7 @@ typedef struct {
     double command_time;         /* [s] between them */
     uint32_t number;             /* of the last one */
     uint32_t samples, wits_frames, wits_lost;
+    int wits_error;              /* errno of a frame that could not be written; one that waits is lost without */
     uint32_t last_tick;          /* of the last sample */
     uint8_t state;               /* KELLY_RT_..., as it said last */
     double begin, commanded, heard, displayed;
@@ -123,12 +124,11 @@ static void display(realtime *r)
     session_call(&r->s, KELLY_MSG_WITS_QUERY, 0, 0, KELLY_MSG_WITS);
     if (kelly_get_wits(r->s.reply, r->s.reply_size, &m)) {
         const size_t length = strlen(m.text);
+        const ssize_t n = write(r->wits, m.text, length);
 
-        if (write(r->wits, m.text, length) == (ssize_t)length) {
-            r->wits_frames++;
-        } else {
-            r->wits_lost++;
-        }
+        r->wits_frames += n == (ssize_t)length;
+        r->wits_lost += n != (ssize_t)length;
+        r->wits_error = n < 0 && errno != EAGAIN && errno != EWOULDBLOCK ? errno : r->wits_error;
     }
 }
 
@@ -159,12 +159,18 @@ static void write_books(const realtime *r)
     outfile_open(&file, r->s.ask->opts.json);
     fprintf(file.stream, "{\n  \"mode\": \"realtime\",\n  \"steps\": %u,\n  \"step_s\": %.9g,\n  \"late\": %u,\n  \"worst_late_us\": %u,\n  \"load\": %.3f,\n"
             "  \"load_worst\": %.3f,\n  \"commands\": %u,\n  \"timeouts\": %u,\n  \"samples\": %u,\n  \"samples_received\": %u,\n  \"unsane\": %u,\n"
-            "  \"state\": \"%s\",\n  \"wits_frames\": %u,\n  \"board\": {", m->tick, case_seconds(&r->s.run, 1), m->late, m->worst_late_us,
+            "  \"state\": \"%s\",\n  \"wits_frames\": %u,\n  \"wits_lost\": %u,\n  \"board\": {", m->tick, case_seconds(&r->s.run, 1), m->late, m->worst_late_us,
             m->load_permille / 1000.0, m->load_worst_permille / 1000.0, m->commands, m->timeouts, m->samples, r->samples, m->unsane,
-            m->state <= KELLY_RT_STOPPED ? states[m->state] : "unknown", r->wits_frames);
+            m->state <= KELLY_RT_STOPPED ? states[m->state] : "unknown", r->wits_frames, r->wits_lost);
     bench_write_board(file.stream, r->s.b);
     fputs("}\n}\n", file.stream);
     outfile_close(&file);
+}
+
+/* Whether the board's time is that of its instructions. */
+static int is_counted(const bench_request *ask)
+{
+    return ask->icount || ask->port[0].icount;
 }
 
 static void print_books(const realtime *r)
@@ -177,7 +183,7 @@ static void print_books(const realtime *r)
     printf("%u commands, %u times without a host, %u samples sent and %u received, watchdog %s, %s\n", m->commands, m->timeouts, m->samples,
            r->samples, r->s.b->is.watchdog == KELLY_WATCHDOG_NONE ? "none" : "kicked after each checked step",
            m->state <= KELLY_RT_STOPPED ? states[m->state] : "in an unknown state");
-    if (!r->s.ask->icount && !r->s.ask->port[0].icount && r->s.b->port.command[0]) {
+    if (!is_counted(r->s.ask) && r->s.b->port.command[0]) {
         puts("an emulator without --icount: lateness and load are those of this machine");
     }
     if (r->wits >= 0) {
@@ -198,13 +204,17 @@ static int finish(const realtime *r)
     if (m->unsane > 0) {
         die(EXIT_FAILED, "%s: step %u: the state left all bounds; the board stopped", r->s.b->port.text, m->tick);
     }
+    if (r->wits_error != 0) {
+        die(EXIT_FAILED, "--wits %s: %u of %u frames could not be written: %s", r->s.ask->wits, r->wits_lost, r->wits_lost + r->wits_frames,
+            strerror(r->wits_error));
+    }
     return EXIT_DONE;
 }
 
 static void start(realtime *r)
 {
     const bench_request *const ask = r->s.ask;
-    const int counted = ask->icount || ask->port[0].icount;
+    const int counted = is_counted(ask);
     const double timeout = ask->command_timeout >= 0 ? ask->command_timeout : counted ? 0 : 1;
     const double ticks = ask->stream_hz > 0 ? 1.0 / (ask->stream_hz * case_seconds(&r->s.run, 1)) : 0;
     kelly_msg_plant_start m = {
@@ -248,6 +258,10 @@ int bench_realtime(const bench_request *ask, board *b)
 
     if (ask->opts.run.drive.inertia > 0) {
         die(EXIT_USAGE, "--drive soft: not in --mode realtime, where the top is commanded; use lockstep, or command the board from a controller");
+    }
+    if (is_counted(ask) && (ask->profile || ask->wits)) {
+        die(EXIT_USAGE, "%s: not with --icount, where the board's seconds are not this machine's; leave --icount out, or use lockstep",
+            ask->profile ? "--profile" : "--wits");
     }
     profile_open(&r.profile, ask, 0);
     session_open(&r.s, ask, b);

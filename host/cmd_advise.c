@@ -67,8 +67,9 @@ const command_help advise_help = {
     .own = advise_options,
     .notes = "Speed and weight are changed one at a time, with the same realisations everywhere; f0 keeps its ratio to the weight unless\n"
              "--f0 is given. Each axis is searched outwards in steps of a fiftieth of its range, then to 0.1 rpm or 0.1 kN, for the smallest\n"
-             "change whose P (refused realisations counted as stuck) is below the limit. The interval is printed beside it: with more\n"
-             "--samples it narrows. --start rotating advises for a string that already turns.\n"
+             "change whose P (refused realisations counted as stuck) is below the limit. P of so many realisations has ups and downs;\n"
+             "what lies between two steps is not looked at. The interval is printed beside it: with more --samples it narrows.\n"
+             "--start rotating advises for a string that already turns.\n"
              "F.json.journal beside the JSON holds what is done and goes when all is written.",
     .example = "kelly advise --rpm 100 --wob 100 --mu 0.004 --start rotating --below 0.05",
 };

@@ -3,7 +3,6 @@
 #include <string.h>
 
 #include "bench.h"
-#include "map.h"
 #include "outcome.h"
 
 static const option_help bench_options[] = {
@@ -24,7 +23,7 @@ static const option_help mode_options[] = {
     { "--sample", "J", "lockstep, realtime: realisation J of --seed and --cov instead of the nominal case" },
     { "--out", "F.csv", "lockstep, realtime: the run in time, columns as in simulate; - is stdout" },
     { "--profile", "F.csv", "lockstep, realtime: time_s,rpm,wob_kN, straight lines between (default: lockstep has an exercise of its own, "
-      "realtime stays at --rpm)" },
+      "realtime stays at --rpm); realtime without --icount" },
     { "--frame-ticks", "N", "lockstep: steps a frame (default 10)" },
     { "--stream-hz", "F", "realtime: samples a second, 0 none (default 10)" },
     { "--command-timeout", "S", "realtime: seconds of silence of this program after which the board acts by --policy; 0 not watched (default 1; "
@@ -32,7 +31,7 @@ static const option_help mode_options[] = {
     { "--policy", "hold|ramp|stop", "realtime: then hold the last command, ramp the top down (default), or stop" },
     { "--ramp", "S", "realtime: seconds of that ramp (default 5)" },
     { "--overload", "N:US", "realtime, a test: one step in each of the first N seconds takes US microseconds longer" },
-    { "--wits", "F", "realtime: append a WITS level 0 frame a second to this file or device" },
+    { "--wits", "F", "realtime without --icount: append a WITS level 0 frame a second to this file or device" },
     { 0 },
 };
 
@@ -260,6 +259,9 @@ int command_bench(int argc, char **argv)
     check_outputs(outputs, 4);
     if (ask.profile) {
         check_input(ask.profile, outputs, 4);
+    }
+    if (ask.mode == BENCH_LOCKSTEP || ask.mode == BENCH_REALTIME) {
+        check_nominal(&ask.opts, argc, argv);
     }
     ask.duration_given = has_option(argc, argv, "--duration");
     if (ask.ports == 0) {

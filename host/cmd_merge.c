@@ -98,11 +98,29 @@ static _Noreturn void refuse_case(const part *p, const part *base)
         base->given);
 }
 
-/* Dies unless both are of one run. */
+/* Dies where the CSV is not the one that its report is of. */
+static void check_pair(const part *p)
+{
+    stored_rows rows;
+    stored_row row;
+
+    if (p->csv) {
+        stored_open_rows(&rows, p->csv);
+        while (stored_next(&rows, &row)) {
+        }
+        stored_check_csv(&p->is.of, p->csv, rows.crc);
+    }
+}
+
+/* Dies unless both are of one run. A report that an earlier run left beside a CSV is told before what it says. */
 static void compare(const part *p, const part *base)
 {
     const stored_run *const a = &p->is.of, *const b = &base->is.of;
 
+    if (strcmp(a->model, b->model) != 0 || a->in_double != b->in_double || a->seed != b->seed || p->is.identity != base->is.identity) {
+        check_pair(p);
+        check_pair(base);
+    }
     if (strcmp(a->model, kelly_string.id) != 0) {
         die(EXIT_USAGE, "%s: of another run: string %s, this program's is %s", p->given, a->model, kelly_string.id);
     }

@@ -1,5 +1,4 @@
 /* cmd_montecarlo.c - the probability of stick-slip. */
-#include "map.h"
 #include "outcome.h"
 #include "team.h"
 
@@ -46,6 +45,12 @@ int command_montecarlo(int argc, char **argv)
         opts.samples = UNTIL_MOST - 1 < behind ? UNTIL_MOST : behind + 1;
     }
     check_indices(&opts);
+    if (!out.envelope.envelope && has_option(argc, argv, "--quantiles")) {
+        die(EXIT_USAGE, "--quantiles: of an envelope, and none is asked for; give --envelope F.npy too");
+    }
+    if (!out.envelope.traces && has_option(argc, argv, "--trace-of")) {
+        die(EXIT_USAGE, "--trace-of: of the traces, and none are asked for; give --traces F.npy too");
+    }
     const char *const outputs[] = { opts.csv, opts.json, out.envelope.envelope, out.envelope.traces };
 
     check_outputs(outputs, 4);

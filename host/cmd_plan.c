@@ -134,6 +134,9 @@ static void measure(plan *p)
     for (unsigned k = 0; k < 20; k++) {
         least = fmin(least, leader_time(p, &out, results, p->lanes));
     }
+    if (outcome_answered(&out) != EXIT_DONE) {
+        exit(EXIT_FAILED);
+    }
     p->leader = least;
     free(work);
     free(results);

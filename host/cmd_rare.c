@@ -4,7 +4,6 @@
 #include <string.h>
 #include <time.h>
 
-#include "map.h"
 #include "rare_search.h"
 #include "team.h"
 
@@ -240,8 +239,10 @@ int command_rare(int argc, char **argv)
         rare_print(s, list);
     }
     if (s->rare.state != KELLY_RARE_DONE) {
+        char reason[REASON_TEXT];
+
         die(EXIT_FAILED, "rare: no answer after %u realisations in %u level%s: %s", s->out.tally.samples, s->rare.level + 1,
-            s->rare.level > 0 ? "s" : "", kelly_rare_reason(s->rare.state));
+            s->rare.level > 0 ? "s" : "", rare_reason(s, reason));
     }
     free(list);
     return EXIT_DONE;

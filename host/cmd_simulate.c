@@ -101,7 +101,11 @@ static void summary(FILE *to, const options *opts, const window_speeds *w)
     fprintf(to, "bit speed %.2f .. %.2f rpm over %.12g:%.12g s, severity ss = %.4f (paper: (max - min)/(max + min)): %s\n",
             (double)w->lowest / RPM, (double)w->highest / RPM, case_seconds(&opts->run, opts->run.window_first),
             case_seconds(&opts->run, opts->run.window_last), (double)ss, ss > opts->run.limit ? "stick-slip" : "no stick-slip");
-    fprintf(to, "mean %.2f rpm, SSI = %.4f (field: (max - min)/(2 mean))\n", (double)w->mean / RPM, (double)ssi);
+    if (w->mean > KELLY_NO_SPEED) {
+        fprintf(to, "mean %.2f rpm, SSI = %.4f (field: (max - min)/(2 mean))\n", (double)w->mean / RPM, (double)ssi);
+    } else {
+        fprintf(to, "mean %.2f rpm: the bit does not turn, and has no SSI (field: (max - min)/(2 mean))\n", (double)w->mean / RPM);
+    }
 }
 
 const command_help simulate_help = {
@@ -127,6 +131,7 @@ int command_simulate(int argc, char **argv)
 
     options_parse(&opts, argc, argv, TAKES_CASE | TAKES_SIMULATE, "simulate", 0, 0);
     check_outputs((const char *const[]){ opts.out, opts.field }, 2);
+    check_nominal(&opts, argc, argv);
     if (opts.sample_given) {
         kelly_draw_sample(&opts.run, opts.seed, opts.sample, &draw);
     } else {

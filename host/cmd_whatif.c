@@ -34,13 +34,13 @@ static int own_option(void *context, const char *name, const char *value)
     } else if (strcmp(name, "--limit") == 0) {
         ask->limit = option_number(name, value, 0.0, 10.0, "a severity in 0..10, e.g. 0.8");
     } else if (strcmp(name, "--wob") == 0) {
-        ask->mean[0] = option_number(name, value, 1e-3, 1e6, "weight on bit in kN, > 0") * units[0];
+        ask->mean[0] = option_number(name, value, 1e-3, 1e6, "weight on bit in kN, 0.001..1000000") * units[0];
     } else if (strcmp(name, "--mu") == 0) {
-        ask->mean[1] = option_number(name, value, 1e-9, 1e3, "a bit-rock factor > 0, e.g. 0.04");
+        ask->mean[1] = option_number(name, value, 1e-9, 1e3, "a bit-rock factor in m, 1e-9..1000, e.g. 0.04");
     } else if (strcmp(name, "--alpha1") == 0) {
-        ask->mean[2] = option_number(name, value, 1e-9, 1e6, "alpha_1 > 0, e.g. 2");
+        ask->mean[2] = option_number(name, value, 1e-9, 1e6, "alpha_1 in s/rad, 1e-9..1000000, e.g. 2");
     } else if (strcmp(name, "--alpha2") == 0) {
-        ask->mean[3] = option_number(name, value, 1e-9, 1e6, "alpha_2 > 0, e.g. 1");
+        ask->mean[3] = option_number(name, value, 1e-9, 1e6, "alpha_2 in s2/rad2, 1e-9..1000000, e.g. 1");
     } else if (strcmp(name, "--rpm") == 0) {
         ask->mean[4] = option_number(name, value, 1e-3, 1e4, "top speed in rpm, 0.001..10000") * units[4];
     } else {
@@ -114,6 +114,10 @@ static void refuse_if_too_far(const request *ask)
 {
     const kelly_reweighted *const r = &ask->result;
 
+    if ((wide)(ask->samples - ask->refused) < KELLY_LEAST_ESS) {
+        die(EXIT_USAGE, "%s: holds %u realisations that count, and at least %g are wanted; run montecarlo with more --samples", ask->from,
+            ask->samples - ask->refused, (double)KELLY_LEAST_ESS);
+    }
     if (!r->enough) {
         die(EXIT_USAGE, "%s: too far from what was run: effective samples %.1f (predicted by the laws %.1f) of %u, largest share %.3f, wanted at least %g and at "
             "most %g; give laws nearer to it, or run montecarlo", ask->from, (double)r->ess, (double)r->ess_predicted, ask->samples, (double)r->share,

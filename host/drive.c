@@ -21,15 +21,15 @@ static double value_of(const char *text, const char *part, double lo, double hi,
 static unsigned take_part(kelly_drive *drive, const char *text, const char *part)
 {
     if (strncmp(part, "Z=", 2) == 0) {
-        drive->impedance = (real)value_of(text, part + 2, 1e-3, 1e9, "an impedance in N m s/rad, e.g. Z=289");
+        drive->impedance = (real)value_of(text, part + 2, 1e-3, 1e9, "an impedance in N m s/rad, 0.001..1e9, e.g. Z=289");
         return 1;
     }
     if (strncmp(part, "f=", 2) == 0) {
-        drive->hz = (real)value_of(text, part + 2, 1e-4, 100.0, "a frequency in Hz, e.g. f=0.2");
+        drive->hz = (real)value_of(text, part + 2, 1e-4, 100.0, "a frequency in Hz, 0.0001..100, e.g. f=0.2");
         return 2;
     }
     if (strncmp(part, "J=", 2) == 0) {
-        drive->inertia = (real)value_of(text, part + 2, 1.0, 1e9, "an inertia in kg m2, at least 1, e.g. J=2900");
+        drive->inertia = (real)value_of(text, part + 2, 1.0, 1e9, "an inertia in kg m2, 1..1e9, e.g. J=2900");
         return 4;
     }
     die(EXIT_USAGE, "--drive %s: '%s' is not known; give " RIGHT, text, part);

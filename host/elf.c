@@ -83,6 +83,18 @@ static uint8_t *read_whole(const char *path, size_t *size)
     return bytes;
 }
 
+unsigned elf_machine(const char *path)
+{
+    elf_file f = { .path = path };
+    uint8_t *const bytes = read_whole(path, &f.size);
+    unsigned machine;
+
+    f.bytes = bytes;
+    machine = (unsigned)number(&f, 18, 2);
+    free(bytes);
+    return machine;
+}
+
 void elf_image(const char *path, uint32_t *crc, uint32_t *size)
 {
     elf_file f = { .path = path };

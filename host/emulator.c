@@ -12,10 +12,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "elf.h"
 #include "emulator.h"
 #include "host.h"
 
 #define RUNNING_MOST 16
+#define EM_ARM 40u
+#define EM_RISCV 243u
 
 #ifndef WELL_SUFFIX               /* "-NAME" where WELL=.../NAME.toml was built: Makefile */
 #define WELL_SUFFIX ""
@@ -126,6 +129,9 @@ void emulator_command(port *p, const char *image, const char *icount)
     (void)setting(p->where, "FAMILY", family, sizeof(family));
     if (image) {
         snprintf(p->image, sizeof(p->image), "%s", image);
+        if (elf_machine(image) != (strcmp(family, "riscv") == 0 ? EM_RISCV : EM_ARM)) {
+            die(EXIT_USAGE, "--image %s: for another processor than qemu:%s has; give the .elf that make TARGET=%s wrote", image, p->where, p->where);
+        }
     } else {
         image_of(p);
     }

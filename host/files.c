@@ -17,6 +17,7 @@
 #define LINKS_MOST 40u           /* as the kernel follows */
 
 static outfile *open_files[OPEN_MAX_FILES];   /* removed by die() and by a signal */
+static volatile sig_atomic_t journals;
 
 /* Only unlink: this runs in a signal handler too. */
 static void remove_temporaries(void)
@@ -28,9 +29,19 @@ static void remove_temporaries(void)
     }
 }
 
+void journals_open(int by)
+{
+    journals += by;
+}
+
 static void interrupted(int signal_number)
 {
+    static const char told[] = "kelly: interrupted; with --resume the run goes on from its journal\n";
+
     remove_temporaries();
+    if (journals > 0 && write(STDERR_FILENO, told, sizeof(told) - 1) < 0) {
+        journals = 0;            /* nobody listens */
+    }
     (void)signal(signal_number, SIG_DFL);
     (void)raise(signal_number);
 }
@@ -223,7 +234,7 @@ void check_input(const char *input, const char *const outputs[], unsigned count)
 
 void outfile_open(outfile *file, const char *path)
 {
-    *file = (outfile){ .fd = -1 };
+    *file = (outfile){ .fd = -1, .name = path };
     if (!is_plain_file(path)) {
         file->stream = strcmp(path, "-") == 0 ? stdout : fopen(path, "w");
         if (!file->stream) {
@@ -247,7 +258,7 @@ void outfile_close(outfile *file)
     const int bad = ferror(file->stream) | fflush(file->stream);
 
     if (bad) {
-        die(EXIT_FAILED, "%s: could not be written: %s", file->path ? file->path : "the output", strerror(errno));
+        die(EXIT_FAILED, "%s: could not be written: %s", strcmp(file->name, "-") == 0 ? "the output" : file->name, strerror(errno));
     }
     if (!file->path) {
         if (file->stream != stdout) {

@@ -10,7 +10,7 @@
 
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
 #define EXIT_DONE_TEXT "done"
-#define EXIT_FAILED_TEXT "the run failed, no realisation could be trusted, or a file could not be written"
+#define EXIT_FAILED_TEXT "the run failed, has no answer that can be trusted, or a file could not be written"
 #define EXIT_USAGE_TEXT "bad usage or input (one line on stderr: what, where, what would be right)"
 
 /* One line on stderr, "kelly: ...", and exit with this status. What, where, what would be right. */
@@ -49,6 +49,12 @@ typedef int (*more_options)(void *context, const char *name, const char *value);
 /* Parse argv[0..argc-1] (without the subcommand) for a command that takes `takes` and, where not 0, `more`; dies with
  * exit 2 on a mistake. Values start from the nominal case of the table. */
 void options_parse(options *out, int argc, char **argv, unsigned takes, const char *command, more_options more, void *context);
+
+/* Whether argv has this option. */
+int has_option(int argc, char **argv, const char *name);
+
+/* Dies with exit 2 where --seed or --cov is given without --sample, for who takes a single run. */
+void check_nominal(const options *opts, int argc, char **argv);
 
 /* Dies with exit 2 where first + samples runs over; for who takes both, once it knows how many there are. */
 void check_indices(const options *opts);
@@ -139,8 +145,12 @@ void progress_end(const options *opts, uint64_t total, double seconds);
 
 /* A file that appears whole or not at all: written as PATH.part and renamed when it is closed. What a killed run leaves of it, the next
  * one takes over. */
+/* A journal is open (1) or gone (-1): an interrupt tells of --resume where there is one. */
+void journals_open(int by);
+
 typedef struct {
     FILE *stream;
+    const char *name;             /* as it was asked for */
     char *path, *temporary;       /* both 0 for stdout */
     int fd;                       /* of the stream, where there is a path */
 } outfile;

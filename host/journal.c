@@ -215,7 +215,7 @@ static void begin(journal *j, const uint8_t *have, size_t length, const uint8_t 
     } else if (resume && length > 0) {
         fprintf(stderr, "kelly: %s: dropped a torn header of %zu bytes\n", j->path, length);
     } else if (resume) {
-        fprintf(stderr, "kelly: %s: not there; this run starts from its beginning\n", j->path);
+        fprintf(stderr, "kelly: %s: not there, or empty; this run starts from its beginning\n", j->path);
     }
     cut_to(j, 0);
     write_all(j, want, HEADER);
@@ -240,6 +240,7 @@ void journal_open(journal *j, const char *output, const journal_run *run, int re
         begin(j, have, length, want, resume);
     }
     sync_now(j);
+    journals_open(1);
 }
 
 static uint32_t record_crc(const uint8_t number[4], const uint8_t *payload, size_t size)
@@ -343,6 +344,7 @@ void journal_remove(journal *j)
         die(EXIT_FAILED, "%s: could not be removed: %s", j->path, strerror(errno));
     }
     close(j->fd);
+    journals_open(-1);
     free(j->path);
     *j = (journal){ .fd = -1 };
 }

@@ -1,5 +1,6 @@
 /* main.c - the kelly command. */
 #include <errno.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -108,6 +109,7 @@ int main(int argc, char **argv)
 {
     const char *error = kelly_table_error(&kelly_string);
 
+    (void)signal(SIGXFSZ, SIG_IGN);   /* a limit on the size of files is told as a full disk is */
     error = error ? error : kelly_shapes_error(&kelly_string, &kelly_string_shapes);
     if (error) {
         die(EXIT_FAILED, "%.*s: %s", KELLY_ID_MAX, kelly_string.id, error);

@@ -136,6 +136,9 @@ void option_covs(float cov[KELLY_PARAMETERS], const char *text)
             die(EXIT_USAGE, "--cov %s: %s stands twice; give each parameter once", text, law_names[k]);
         }
         seen |= 1u << k;
+        if (equals[1] == '\0') {
+            die(EXIT_USAGE, "--cov %s: %s has no number; give %s", text, law_names[k], right);
+        }
         cov[k] = (float)option_number("--cov", equals + 1, 0.0, 0.5, right);
     }
 }
@@ -155,7 +158,7 @@ static void parse_window(times *when, const char *text)
     when->window[1] = option_number("--window", colon + 1, 0.0, 1e9, right);
     when->window_given = 1;
     if (!(when->window[0] < when->window[1])) {
-        die(EXIT_USAGE, "--window %s: ends before it begins; give %s", text, right);
+        die(EXIT_USAGE, "--window %s: %s; give %s", text, when->window[0] > when->window[1] ? "ends before it begins" : "is empty", right);
     }
 }
 
@@ -228,15 +231,15 @@ static int parse_case(options *out, times *when, const char *name, const char *v
     if (strcmp(name, "--rpm") == 0) {
         run->w0 = (real)(option_number(name, value, 1e-3, 1e4, "top speed in rpm, 0.001..10000") * RPM);
     } else if (strcmp(name, "--wob") == 0) {
-        run->fc = (real)(option_number(name, value, 1e-3, 1e6, "weight on bit in kN, > 0") * 1000.0);
+        run->fc = (real)(option_number(name, value, 1e-3, 1e6, "weight on bit in kN, 0.001..1000000") * 1000.0);
     } else if (strcmp(name, "--mu") == 0) {
-        run->mu = (real)option_number(name, value, 1e-9, 1e3, "a bit-rock factor > 0, e.g. 0.04");
+        run->mu = (real)option_number(name, value, 1e-9, 1e3, "a bit-rock factor in m, 1e-9..1000, e.g. 0.04");
     } else if (strcmp(name, "--alpha1") == 0) {
-        run->a1 = (real)option_number(name, value, 1e-9, 1e6, "alpha_1 > 0, e.g. 2");
+        run->a1 = (real)option_number(name, value, 1e-9, 1e6, "alpha_1 in s/rad, 1e-9..1000000, e.g. 2");
     } else if (strcmp(name, "--alpha2") == 0) {
-        run->a2 = (real)option_number(name, value, 1e-9, 1e6, "alpha_2 > 0, e.g. 1");
+        run->a2 = (real)option_number(name, value, 1e-9, 1e6, "alpha_2 in s2/rad2, 1e-9..1000000, e.g. 1");
     } else if (strcmp(name, "--f0") == 0) {
-        run->f0 = (real)(option_number(name, value, 0.0, 1e6, "amplitude of the weight in kN, >= 0") * 1000.0);
+        run->f0 = (real)(option_number(name, value, 0.0, 1e6, "amplitude of the weight in kN, 0..1000000") * 1000.0);
     } else if (strcmp(name, "--limit") == 0) {
         run->limit = (real)option_number(name, value, 0.0, 10.0, "a severity in 0..10, e.g. 0.8");
     } else if (strcmp(name, "--torsional") == 0) {
@@ -246,12 +249,12 @@ static int parse_case(options *out, times *when, const char *name, const char *v
     } else if (strcmp(name, "--step") == 0) {
         when->step = option_number(name, value, 1e-6, 1.0, "the RK4 step in seconds, 1e-6..1, e.g. 0.001");
     } else if (strcmp(name, "--duration") == 0) {
-        when->duration = option_number(name, value, 1e-6, 1e9, "seconds > 0, e.g. 100");
+        when->duration = option_number(name, value, 1e-6, 1e9, "seconds, 1e-6..1e9, e.g. 100");
         when->window_given = when->window_given == 1;
     } else if (strcmp(name, "--window") == 0) {
         parse_window(when, value);
     } else if (strcmp(name, "--out-step") == 0) {
-        out->out_step = option_number(name, value, 1e-6, 1e9, "seconds between output lines, e.g. 0.01");
+        out->out_step = option_number(name, value, 1e-6, 1e9, "seconds between output lines, 1e-6..1e9, e.g. 0.01");
     } else if (strcmp(name, "--start") == 0) {
         if (strcmp(value, "rest") != 0 && strcmp(value, "rotating") != 0) {
             die(EXIT_USAGE, "--start %s: unknown; give rest or rotating", value);
@@ -330,12 +333,15 @@ static int parse_common(options *out, const char *name, const char *value)
     return 1;
 }
 
-/* Dies where it is no option of the command, but nearly one. */
-static void check_spelling(const char *command, const char *name)
+/* Dies where it is no option of the command. */
+static void check_known(const char *command, const char *name)
 {
     const char *const meant = help_like(command, name);
 
-    if (meant && strcmp(meant, name) != 0) {
+    if (!meant) {
+        die(EXIT_USAGE, "%s: unknown option %s; see kelly %s --help", command, name, command);
+    }
+    if (strcmp(meant, name) != 0) {
         die(EXIT_USAGE, "%s: unknown option %s; did you mean %s?", command, name, meant);
     }
 }
@@ -361,7 +367,7 @@ static int parse_one(options *out, times *when, int argc, char **argv, unsigned 
     }
     value = equals ? equals + 1 : argc > 1 ? argv[1] : "";
     if (*value == '\0') {
-        check_spelling(command, name);
+        check_known(command, name);
         die(EXIT_USAGE, "%s: needs a value; see kelly %s --help", name, command);
     }
     known = parse_common(out, name, value) || (takes & TAKES_CASE && parse_case(out, when, name, value)) ||
@@ -372,10 +378,18 @@ static int parse_one(options *out, times *when, int argc, char **argv, unsigned 
     }
     known = known || (more && more(context, name, value));
     if (!known) {
-        check_spelling(command, name);
-        die(EXIT_USAGE, "%s: unknown option %s; see kelly %s --help", command, name, command);
+        check_known(command, name);
+        die(EXIT_USAGE, "%s: %s is not for this use; see kelly %s --help", command, name, command);
     }
     return equals ? 1 : 2;
+}
+
+void check_nominal(const options *opts, int argc, char **argv)
+{
+    if (!opts->sample_given && (has_option(argc, argv, "--seed") || has_option(argc, argv, "--cov"))) {
+        die(EXIT_USAGE, "%s: the nominal case is not random; give --sample J too, the realisation that is meant",
+            has_option(argc, argv, "--seed") ? "--seed" : "--cov");
+    }
 }
 
 void check_indices(const options *opts)

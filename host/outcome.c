@@ -220,6 +220,10 @@ static void warn(const outcome *out)
     if (*advice) {
         printf("warning: %s\n", advice);
     }
+    if (t->status[KELLY_RANGE] > t->samples / 100) {
+        printf("warning: in %u of %u the weight lies outside %.6g..%.6g kN, for which the table is fitted: they are not in P\n", t->status[KELLY_RANGE],
+               t->samples, (double)kelly_string.fc_min / 1000.0, (double)kelly_string.fc_max / 1000.0);
+    }
 }
 
 const char *advice_on(const kelly_case *run, const kelly_tally *t, char text[ADVICE_TEXT])
@@ -238,8 +242,7 @@ const char *advice_on(const kelly_case *run, const kelly_tally *t, char text[ADV
     return text;
 }
 
-/* A probability of nothing is no answer: the files say what was refused, the exit status that there is none. */
-static int answered(const outcome *out)
+int outcome_answered(const outcome *out)
 {
     const kelly_tally *const t = &out->tally;
     char text[ADVICE_TEXT];
@@ -346,7 +349,7 @@ const char *first_output(const options *opts, const char *const outputs[], unsig
 
 const char *outcome_beside(const options *opts)
 {
-    return first_output(opts, (const char *const[]){ opts->csv, opts->json }, 2, "--csv or --json");
+    return first_output(opts, &opts->json, 1, "--json");
 }
 
 int outcome_speaks(const options *opts)
@@ -374,5 +377,5 @@ int outcome_close(outcome *out)
     if (outcome_speaks(opts)) {
         print_outcome(out, lo, hi);
     }
-    return answered(out);
+    return outcome_answered(out);
 }

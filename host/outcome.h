@@ -34,7 +34,7 @@ typedef struct {
 void outcome_open(outcome *out, const options *opts, const char *engine);
 
 /* Where the journal lies: beside the first of the outputs that is a file, or 0. Dies with exit 2 for --resume without one, and tells what to
- * give; outcome_beside is for the CSV and the JSON. */
+ * give; outcome_beside is for a JSON alone. */
 const char *first_output(const options *opts, const char *const outputs[], unsigned count, const char *give);
 const char *outcome_beside(const options *opts);
 
@@ -53,6 +53,9 @@ void outcome_print_refused(const outcome *out, const char *where);
 
 /* Whether a summary is wanted on stdout: no --quiet, and stdout is not one of the files. */
 int outcome_speaks(const options *opts);
+
+/* A probability of nothing is no answer: says so on stderr, and what would help; the exit status. */
+int outcome_answered(const outcome *out);
 
 /* What helps where none of these realisations of a case could be trusted; `text` may be used for it. */
 #define ADVICE_TEXT 160

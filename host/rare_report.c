@@ -154,15 +154,29 @@ static void write_failures(FILE *to, const search *s, double *list)
             (double)s->seen.probability, sqrt((double)s->seen.variance), s->seen.tried, s->seen.failed);
 }
 
+const char *rare_reason(const search *s, char text[REASON_TEXT])
+{
+    const char *const reason = kelly_rare_reason(s->rare.state);
+    char help[ADVICE_TEXT];
+
+    if (s->rare.state != KELLY_RARE_UNKNOWN) {
+        return reason;
+    }
+    snprintf(text, REASON_TEXT, "%s: %s", reason, advice_on(&s->opts->run, &s->out.tally, help));
+    return text;
+}
+
 void rare_write_json(FILE *to, const search *s, double *list)
 {
+    char reason[REASON_TEXT];
+
     if (done(s)) {
         fprintf(to, "{\n  \"probability\": %.17g,\n  \"ci95\": [%.17g, %.17g],\n  \"cov\": %.9g,\n  \"method\": \"%s\",\n  \"reason\": null,\n",
                 (double)s->answer.probability, (double)s->answer.lo, (double)s->answer.hi, (double)s->answer.cov,
                 s->answer.plain ? "Monte Carlo" : "subset simulation");
     } else {
         fprintf(to, "{\n  \"probability\": null,\n  \"ci95\": null,\n  \"cov\": null,\n  \"method\": \"subset simulation\",\n  \"reason\": \"%s\",\n",
-                kelly_rare_reason(s->rare.state));
+                rare_reason(s, reason));
     }
     fprintf(to, "  \"realisations\": %u,\n  \"samples_per_level\": %u,\n  \"refused\": %u,\n", s->out.tally.samples, s->samples,
             kelly_refused(&s->out.tally));

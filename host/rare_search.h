@@ -21,6 +21,10 @@ typedef struct {
     double seconds;
 } search;
 
+/* Why a run that is over has no answer, and where realisations were refused what would help. */
+#define REASON_TEXT (ADVICE_TEXT + 80)
+const char *rare_reason(const search *s, char text[REASON_TEXT]);
+
 /* The JSON of a run that is over, and its summary. `list` is scratch for `samples` numbers. */
 void rare_write_json(FILE *to, const search *s, double *list);
 void rare_print(const search *s, double *list);

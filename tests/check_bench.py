@@ -274,6 +274,8 @@ def takes_commands():
     yield all(101 < speed < 139 for speed in between), f"half way: {between}"
     frames = wits.frames(bytes_of(display))
     yield len(frames) == report["wits_frames"] >= 4, f"{len(frames)} WITS frames"
+    run = Run("--mode realtime --duration 3 --port qemu:rv32 --wits /dev/full", files=False)
+    yield run.one_line(1, "--wits /dev/full: ", "frames could not be written: No space left"), f"a display that takes nothing: {run.said}"
     yield frames[-1]["0120"] == 140 and abs(frames[-1]["0116"] - 8) < 1.5, f"WITS: {frames[-1]}"
 
 
@@ -324,6 +326,8 @@ def does_not_fit():
         run = Run(f"{CASE} --port {line.port} --image {image('mps2-an500')}")
         here, there = (f"{link.crc32c(loaded(image(t))):08x}" for t in ("mps2-an500", "rv32"))
         yield run.one_line(1, here, there), f"another image: {run.said}"
+        run = Run(f"--port qemu:rv32 --image {image('mps2-an500')}", files=False)
+        yield run.one_line(2, "for another processor than qemu:rv32 has; give the .elf that make TARGET=rv32 wrote"), f"an image of another processor: {run.said}"
         run = Run(f"{CASE} --port {line.port}", real="double")
         yield run.one_line(1, "computes in float", "REAL=double"), f"another precision: {run.said}"
 
@@ -356,7 +360,8 @@ USAGE = ["", "--port nowhere", "--port qemu:nope", "--port qemu:../rv32", "--por
          "--port qemu:rv32 --mode lockstep --profile nothing", "--port qemu:rv32 --mode lockstep --profile Makefile", "--port qemu:rv32 --threads 2",
          *(f"--port qemu:rv32 --icount {text}" for text in ("11", "shift=11", "shift=-1", "shift=1e1", "shift=08", "shift=", "nope", "sleep=off", "shift=5,sleep=maybe",
                                                              "shift=5,", "shift=5,align=on,sleep=off", "shift=5" + 9 * ",sleep=on")),
-         "--port qemu:rv32 --give-up 0", "--port qemu:rv32 --first 4294967295 --samples 1", "--port qemu:rv32 --mode lockstep --mu 1"]
+         "--port qemu:rv32 --mode realtime --icount shift=5 --wits x",
+         "--port qemu:rv32 --mode realtime --icount shift=5 --profile Makefile", "--port qemu:rv32 --give-up 0", "--port qemu:rv32 --first 4294967295 --samples 1", "--port qemu:rv32 --mode lockstep --mu 1"]
 
 
 def elf(wide, segments, body=bytes(range(32)), **other):

@@ -337,7 +337,7 @@ def check_no_answer():
         with tempfile.TemporaryDirectory() as where:
             result = kelly("float", f"montecarlo --step 0.02 --samples 5 --duration 2 --envelope {where}/e.csv --csv {where}/r.csv --json {where}/r.json --quiet "
                            + more.format(where))
-            lines = [line for line in result.stderr.splitlines() if ".journal: not there; " not in line]
+            lines = [line for line in result.stderr.splitlines() if ".journal: not there, or empty; " not in line]
             claim(result.returncode == 1 and len(lines) == 2 and f"--envelope {where}/e.csv: not written: " in lines[0] and "no answer" in lines[1],
                   f"an envelope of nothing {more}: exit {result.returncode}, {lines}")
             claim(set(os.listdir(where)) == files, f"an envelope of nothing {more}: files {os.listdir(where)}")
@@ -381,6 +381,33 @@ def check_mistakes():
             result.stdout = ""
             refused(result, 1, args + " on a full disk")
     claim(os.path.exists("/dev/full") and not [name for name in os.listdir("/dev") if name.startswith("full.")], "something left in /dev")
+
+
+def check_told():
+    """What is wrong is said of the thing that is wrong, and what is right is within what is said."""
+    for args, said in (("simulate --mu 0.004 --resume", "simulate: unknown option --resume"), ("modes --twice", "modes: unknown option --twice"),
+                       ("montecarlo --mu 1001", "give a bit-rock factor in m, 1e-9..1000"), ("montecarlo --wob 1.1e6", "give weight on bit in kN, 0.001..1000000"),
+                       ("montecarlo --f0 1.1e6", "in kN, 0..1000000"), ("whatif --from x --alpha1 1.1e6", "alpha_1 in s/rad, 1e-9..1000000"),
+                       ("montecarlo --duration 1e12", "give seconds, 1e-6..1e9"), ("montecarlo --drive soft:Z=1e30", "0.001..1e9, e.g. Z=289"),
+                       ("montecarlo --cov rpm=", "--cov rpm=: rpm has no number"), ("montecarlo --window 50:50", "--window 50:50: is empty"),
+                       ("rare --resume", "give --json\n"), ("advise --resume", "give --json\n"), ("montecarlo --resume", "give --csv, --json, --envelope or"),
+                       ("simulate --seed 9", "--seed: the nominal case is not random; give --sample J"), ("simulate --cov 0.3", "--cov: the nominal case"),
+                       ("bench --port qemu:rv32 --mode lockstep --seed 9", "--seed: the nominal case"), ("montecarlo --quantiles exact", "give --envelope F.npy too"),
+                       ("montecarlo --trace-of bit_speed_rpm", "give --traces F.npy too")):
+        result = kelly("float", args)
+        refused(result, 2, args)
+        claim(said in result.stderr, f"{args}: {result.stderr!r}")
+    for args, said in (("plan --mu 10 --measure 0.05 --cores 1", "the step is too long"), ("plan --wob 100000 --measure 0.05 --cores 1", "1..1000 kN; give such a --wob"),
+                       ("montecarlo --samples 8 --duration 1 --csv /dev/full", "kelly: /dev/full: could not be written: No space left")):
+        result = kelly("float", args)
+        refused(result, 1, args)
+        claim(said in result.stderr, f"{args}: {result.stderr!r}")
+    for args, warned in (("--wob 900 --mu 0.001 --samples 40 --duration 2", True), ("--mu 0.004 --samples 40 --duration 2", False)):
+        found = re.search(r"warning: in (\d+) of 40 the weight lies outside 1..1000 kN", done("float", f"montecarlo {args}"))
+        r = report("float", args)
+        claim(bool(found) == warned and (not found or int(found[1]) == r["refused_by"]["range"] > 0), f"{args}: {found}, {r['refused_by']}")
+    stopped = done("float", "simulate --rpm 60 --mu 0.04 --duration 1 --window 0:0.4 --out /dev/null")
+    claim("the bit does not turn, and has no SSI" in stopped and "SSI =" not in stopped, f"a bit that does not turn: {stopped!r}")
 
 
 def check_whole():

@@ -110,12 +110,12 @@ WP = {
     "lemmas": (["firmware/rare"], "", INDICES + " -wp-prop @lemma", INDICES + " -wp-prop @lemma -wp-timeout 5"),
     "ring": (["firmware/app/out"], "send_one,out_defer,out_pump,out_room,out_byte", "-wp-timeout 40", "-wp-timeout 10"),
     "level": (["firmware/rare"], "kth_guide,count_different,know_failures,inside,count_pairs,measure,choose_seeds,key_move,is_led,propose,draw_all,"
-              "descend,settle,kelly_rare_failed,kelly_rare_count,kelly_rare_start,kelly_rare_lead", INDICES + BY_EVA, INDICES + " -wp-prop span,hinted,share -wp-timeout 10"),
+              "descend,settle,kelly_rare_failed,kelly_rare_count,kelly_rare_start,kelly_rare_lead", INDICES + BY_EVA, INDICES + " -wp-prop span,hinted,share -wp-timeout 20"),
     "next level": (["firmware/rare"], "now,adapt,judge,judge_failures,end_level,next_level,kelly_rare_accept", INDICES + BY_EVA,
-                   INDICES + " -wp-prop turn -wp-timeout 15"),
-    "seeds": (["firmware/rare_walk"], "kelly_rare_aim", INDICES + BY_EVA, INDICES + " -wp-timeout 10"),
+                   INDICES + " -wp-prop turn -wp-timeout 20"),
+    "seeds": (["firmware/rare_walk"], "kelly_rare_aim", INDICES + BY_EVA, INDICES + " -wp-timeout 20"),
     "look at a mode": (["firmware/rare_look"], "enough_of,reached,kelly_rare_look,kelly_rare_see,share_seen", INDICES + BY_EVA,
-                       INDICES + " -wp-prop front,share -wp-timeout 10"),
+                       INDICES + " -wp-prop front,share -wp-timeout 20"),
 }
 
 # What the proofs take for granted, besides Frama-C itself.

@@ -145,6 +145,10 @@ def check_misfits(folder):
                         ("--drive soft", ("drive soft", "stiff"))):
         part(folder, "foreign", 50, 5, more)
         refused("merge a.csv foreign.csv", folder, "foreign.csv", "of another run", *words)
+    shutil.copy(os.path.join(folder, "foreign.json"), os.path.join(folder, "stale.json"))      # of a run before, of another case
+    shutil.copy(os.path.join(folder, "b.csv"), os.path.join(folder, "stale.csv"))
+    for both in ("a.csv stale.csv", "stale.csv a.csv"):
+        refused(f"merge {both}", folder, "stale.csv", "not the file that stale.json is of")
     for ends in ("--mu 1e-9 --rpm 10000 --alpha1 1e-9", "--alpha2 1e-9 --rpm 0.001 --limit 10"):        # which a float rounds
         part(folder, "ends", 0, 5, ends)
         done("merge ends.csv --quiet", folder)

@@ -414,11 +414,13 @@ def check_signals(folder):
     for number in numbers:
         place.empty()
         with subprocess.Popen([PROGRAM["float"]] + shlex.split(place.args(f"montecarlo {CASE} --samples 400000")), cwd=folder,
-                              preexec_fn=heed) as process:
+                              preexec_fn=heed, stderr=subprocess.PIPE) as process:
             while not (os.path.exists(place.journal) and os.path.getsize(place.journal) > HEADER):
                 time.sleep(0.01)
             process.send_signal(number)
+            told = process.communicate()[1].decode()
         claim(process.returncode == -number and place.files() == ["run.csv.journal"], f"{number!r}: exit {process.returncode}, left {place.files()}")
+        claim(told == "kelly: interrupted; with --resume the run goes on from its journal\n", f"{number!r}: {told!r}")
     place.empty()
     resumed(place, PIECES, want, "afterwards", whole=True)
 

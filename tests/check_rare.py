@@ -155,7 +155,8 @@ def check_refusals():
     for args, reason in ((f"--mu 0.004 --rpm 240 --cov 0.05 {short}", "1e-9"),
                          (f"--mu 0.004 --rpm 200 --limit 10 {short}", "no failure"),
                          ("--mu 0.002 --rpm 165 --cov rpm=0.04 --limit 0.155 --step 0.002", "has anyway"),   # P is 1.7e-5, the search sees a third
-                         (f"--mu 0.04 --rpm 700 --step 0.002 --cov 0.2 {short}", "shorter step")):
+                         (f"--wob 20000 --cov 0.1 {short}", "fitted for weights of 1..1000 kN; give such a --wob"),
+                         (f"--mu 0.04 --rpm 700 --step 0.002 --cov 0.2 {short}", "may be failures: the step is too long for ")):
         out, status = rare(args)
         claim(status == 1 and out.get("probability", 0) is None and out["ci95"] is None, f"{args}: status {status}, {out}")
         claim(reason in str(out.get("reason")), f"{args}: reason {out.get('reason')}")

@@ -161,7 +161,7 @@ def bad_files(directory):
     with open(path, "wb") as file:
         file.write(PAPER.replace("drill pipe", "Gest\xe4nge").encode("latin-1"))
     refused("not UTF-8", path, directory, "", "UTF-8")
-    odd = {"": "letters", "\0\1\2": "TOML", "\ufeff" + PAPER: "TOML", "#" + PAPER.replace("\n", ""): "letters"}
+    odd = {"": "letters", "\0\1\2": "TOML", "#" + PAPER.replace("\n", ""): "letters"}
     for text, advice in odd.items():
         path = os.path.join(directory, "odd.toml")
         with open(path, "w", encoding="utf-8") as file:
@@ -198,6 +198,19 @@ def bad_command_lines(directory):
     ran = generate([good, "--out", new, "--as", "mine"], directory)
     claim(ran.returncode == 0 and sorted(os.listdir(new)) == ["mine.c", "mine_shapes.c"],
           "--as names the files")
+
+
+def marked(directory):
+    """A byte order mark, as some editors write: the same table."""
+    tables = []
+    for text in (PAPER, "\ufeff" + PAPER):
+        path = os.path.join(directory, "marked.toml")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+        ran = generate([path, "--out", directory], directory)
+        with open(os.path.join(directory, "paper.c"), encoding="ascii") as file:
+            tables.append((ran.returncode, file.read()))
+    claim(tables[0] == tables[1] and tables[0][0] == 0, "a byte order mark changes nothing")
 
 
 def lift_off(directory):
@@ -248,6 +261,7 @@ def main():
         bad_command_lines(directory)
     with tempfile.TemporaryDirectory() as directory:
         lift_off(directory)
+        marked(directory)
     mutations()
     print(f"{count[True]} passed, {count[False]} failed")
     return 1 if count[False] else 0

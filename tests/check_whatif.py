@@ -133,6 +133,8 @@ def check_double(folder):
 def check_too_far(path):
     for args in ("--mu 0.006", "--mu 0.02", "--cov 0.3", "--cov 0.5", "--cov 0.0001", "--rpm 200", "--cov mu=0.285"):
         refused(f"whatif --from {path} {args}", "too far from what was run")
+    few = stored(os.path.dirname(path), "few", "--mu 0.004 --duration 1 --window 0:1 --samples 60")
+    refused(f"whatif --from {few}", "few.csv: holds 60 realisations that count, and at least 100 are wanted; run montecarlo with more --samples")
     refused(f"whatif --from {path} --cov fc=0", "no realisation has one single value")
     for args, word in (("--cov 0.6", "out of range"), ("--mu 0", "out of range"), ("--wob x", "not a finite number"), ("--f0 3", "unknown option"),
                        ("--duration 3", "unknown option"), ("--cov fc=0.1,fc=0.1", "stands twice"), ("--json /nowhere/x", "cannot write")):

@@ -170,7 +170,6 @@ def check_disk_full(folder):
     os.remove(out + ".journal")
 
     def small(limit):
-        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
 
     for limit in (0, 50, HEADER, HEADER + 5, HEADER + RECORD * 3 + 17, len(journal) - 1):
