@@ -187,13 +187,13 @@ def target_lines(best, of_peak, rows):
         how = "As built" if guarded else "Unguarded (-DKELLY_GUARD=0)"
         if dopri and plain:
             f, d = kelly("float", guarded), kelly("double", guarded)
-            lines.append("%s: float %.1f times faster than Boost's dopri5, %.1f times textbook C; double %.1f and %.1f times."
+            lines.append("%s: float %.1f times faster than Boost's dopri5, %.1f times textbook C with libm; double %.1f and %.1f times."
                          % (how, dopri / f, plain / f, dopri / d, plain / d))
         if of_peak:
             lines.append("Of the machine's separate multiply and add peak: "
                          + ", ".join("%s %s %.0f %%" % (p["engine"], p["real"], 100 * p["fraction"]) for p in of_peak if p["guarded"] == guarded) + ".")
     if plain:
-        lines.append("One realisation alone, float: %.1f times textbook C." % (plain / kelly("float", True, one=True)))
+        lines.append("One realisation alone, float: %.1f times textbook C with libm." % (plain / kelly("float", True, one=True)))
     return "\n".join(lines)
 
 
