@@ -180,7 +180,7 @@ static uint32_t step_of(double seconds)
 {
     const double ns = nearbyint(seconds * 1e9);
 
-    if (fabs(seconds * 1e9 - ns) > 1e-6 * ns) {
+    if (fabs(seconds * 1e9 - ns) > 1e-12 * ns) {   /* what a double rounds off */
         die(EXIT_USAGE, "--step %.12g: not a whole number of nanoseconds; give e.g. 0.001", seconds);
     }
     return (uint32_t)ns;

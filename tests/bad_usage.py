@@ -16,7 +16,7 @@ USAGE = [
     "montecarlo --window 50", "montecarlo --window :", "montecarlo --window 50:", "montecarlo --window :100", "montecarlo --window a:b",
     "montecarlo --window -1:10", "montecarlo --window nan:10", "montecarlo --window 0:inf", "montecarlo --window 0.00015:1",
     "montecarlo --window 0:1.0005", "montecarlo --window 1:2:3", "montecarlo --duration 0.0015", "montecarlo --duration 1e-6", "montecarlo --duration 1e8",
-    "montecarlo --step 1e-7", "montecarlo --step 2", "montecarlo --step 0.0000010005", "montecarlo --step 0.003",
+    "montecarlo --step 1e-7", "montecarlo --step 2", "montecarlo --step 0.0000010005", "montecarlo --step 0.0010000004", "montecarlo --step 0.0019999996", "montecarlo --step 0.003",
     *(f"{MC} --cov {value}" for value in ("-0.1", "0.6", "nan", "abc", "inf", "fc", "fc=", "fc=0.6", "fc=-0.1", "fc=nan", "xx=0.1", "fc=0.1,mu",
                                           "fc=0.1,xx=0.1", "=0.1", "0.1,0.2", "fc=0.1x", "fc=0.1,fc=0.2", "fc=0.1,,mu=0.1", "fc=0.1,")),
     *(f"montecarlo --samples {value}" for value in ("0", "-1", "abc", "1.5", "1e-3", "4294967296", "99999999999999999999", "+5")),

@@ -254,6 +254,7 @@ def check_array(folder):
     for args, status, words in (("wrong 9 3 --mu nonsense", 2, "--mu nonsense: not a finite number"), ("nothing 9 3 --step 0.02 --duration 2", 1, "none of 9 realisations")):
         run = subprocess.run(["sh", script] + shlex.split(args), cwd=folder, env=env, capture_output=True, text=True, check=False)
         claim(run.returncode == status and words in run.stderr, f"array.sh {args}: exit {run.returncode}, {run.stderr!r}")
+    claim(not os.path.exists(os.path.join(folder, "wrong.study")), "a study that was refused leaves nothing")
     claim(os.path.exists(os.path.join(folder, "nothing.json")), "parts without an answer are put together")
     spaced = os.path.join(folder, "two words *")
     os.mkdir(spaced)

@@ -31,12 +31,14 @@ check_number PARTS "$parts"
 
 # A line for each argument; made in one piece, whichever task comes first.
 study=$(printf '%s\n' "$samples samples in $parts parts" "$@")
+begun=
 if [ ! -f "$out.study" ]; then
     for left in "$out".[0-9]*.csv "$out".[0-9]*.csv.journal; do
         [ ! -f "$left" ] || [ -f "$out.study" ] || refuse "$left: a part of an unknown study, as $out.study is not there; move it away, or give another OUT"
     done
     printf '%s\n' "$study" > "$out.study.$$"
     mv "$out.study.$$" "$out.study"
+    begun=1
 fi
 [ "$(cat "$out.study")" = "$study" ] || refuse "$out.study: of another study ($(tr '\n' ' ' < "$out.study")); give that one's arguments, or another OUT"
 
@@ -56,6 +58,7 @@ part() {
     [ ! -f "$out.$k.csv.journal" ] || set -- "$@" --resume
     "$kelly" montecarlo "$@" --first "$first" --samples "$count" --csv "$out.$k.csv" --json "$out.$k.json" --quiet || {
         status=$?   # 1 where none of its realisations can be trusted: that is for the sum to say
+        [ "$status" -ne 2 ] || [ -z "$begun" ] || rm -f "$out.study"   # a mistake: there is nothing to go on with
         [ "$status" -eq 1 ] && whole "$k" || return "$status"
     }
 }
