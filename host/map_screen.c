@@ -66,7 +66,7 @@ static void print_edges(const driller_map *map)
 void print_map(const driller_map *map, const study *s)
 {
     const size_t cells = 2 * (size_t)map->wob.count * map->rpm.count;
-    uint64_t samples = 0, refused = 0;
+    uint64_t samples = 0, refused = 0, by[KELLY_STATUSES] = { 0 };
     size_t touched = 0;
 
     printf("%s, mu %.6g, %u cells of %u speeds and %u weights, %s%u samples each, seed %llu\n", kelly_string.id, (double)s->opts->run.mu,
@@ -87,6 +87,11 @@ void print_map(const driller_map *map, const study *s)
         samples += map->cells[i].tally.samples;
         refused += no;
         touched += no > 0;
+        for (unsigned k = 0; k < KELLY_STATUSES; k++) {
+            by[k] += map->cells[i].tally.status[k];
+        }
     }
-    printf("\n%llu realisations, refused %llu in %zu of %zu cells\n", (unsigned long long)samples, (unsigned long long)refused, touched, cells);
+    printf("\n%llu realisations, refused %llu in %zu of %zu cells (step %llu, range %llu, nonfinite %llu)\n", (unsigned long long)samples,
+           (unsigned long long)refused, touched, cells, (unsigned long long)by[KELLY_STEP], (unsigned long long)by[KELLY_RANGE],
+           (unsigned long long)by[KELLY_NONFINITE]);
 }

@@ -66,6 +66,9 @@ def check_cells():
     claim(data["rpm"] == [40.3, 40.4, 40.5, 40.6] and data["f0_kN"] == [12.345], f"settings as one types them: {data['rpm']}, {data['f0_kN']}")
     refusing = cells_are_montecarlo("--rpm 80:120:40 --wob 200:400:100 --samples 40", "--duration 1 --window 0:1 --mu 0.04")
     claim(0 < np.sum(refusing["rest"]["refused_step"]) + np.sum(refusing["rest"]["refused_range"]) < 240, "refused realisations are counted")
+    shown = done("map --rpm 80:120:40 --wob 200:400:100 --samples 40 --duration 1 --window 0:1 --mu 0.04").splitlines()[-1]
+    by = [int(np.sum([refusing[start][f"refused_{why}"] for start in ("rest", "rotating")])) for why in ("step", "range", "nonfinite")]
+    claim(f"refused {sum(by)} in " in shown and shown.endswith(f"(step {by[0]}, range {by[1]}, nonfinite {by[2]})"), f"and shown by their reasons: {shown!r}, {by}")
     cells_are_montecarlo("--rpm 90 --wob 90 --samples 20000", "--duration 0.1 --window 0:0.1 --cov 0.2")
     cells_are_montecarlo("--rpm 60.1:60.5:0.1 --wob 40.1:40.4:0.1 --samples 17", SHORT, "double")   # 60.1 + 2 0.1 is not 60.3
 
