@@ -6,6 +6,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
+#include <signal.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -168,9 +169,9 @@ static void write_books(const realtime *r)
 }
 
 /* Whether the board's time is that of its instructions. */
-static int is_counted(const bench_request *ask)
+static int is_counted(const bench_request *ask, const board *b)
 {
-    return ask->icount || ask->port[0].icount;
+    return b->port.command[0] && (ask->icount || ask->port[0].icount);
 }
 
 static void print_books(const realtime *r)
@@ -183,7 +184,7 @@ static void print_books(const realtime *r)
     printf("%u commands, %u times without a host, %u samples sent and %u received, watchdog %s, %s\n", m->commands, m->timeouts, m->samples,
            r->samples, r->s.b->is.watchdog == KELLY_WATCHDOG_NONE ? "none" : "kicked after each checked step",
            m->state <= KELLY_RT_STOPPED ? states[m->state] : "in an unknown state");
-    if (!is_counted(r->s.ask) && r->s.b->port.command[0]) {
+    if (!is_counted(r->s.ask, r->s.b) && r->s.b->port.command[0]) {
         puts("an emulator without --icount: lateness and load are those of this machine");
     }
     if (r->wits >= 0) {
@@ -214,7 +215,7 @@ static int finish(const realtime *r)
 static void start(realtime *r)
 {
     const bench_request *const ask = r->s.ask;
-    const int counted = is_counted(ask);
+    const int counted = is_counted(ask, r->s.b);
     const double timeout = ask->command_timeout >= 0 ? ask->command_timeout : counted ? 0 : 1;
     const double ticks = ask->stream_hz > 0 ? 1.0 / (ask->stream_hz * case_seconds(&r->s.run, 1)) : 0;
     kelly_msg_plant_start m = {
@@ -245,6 +246,7 @@ static void open_files(realtime *r)
         fputs(SIGHT_HEADER, r->out.stream);
     }
     if (ask->wits) {
+        (void)signal(SIGPIPE, SIG_IGN);   /* a display that went is told at the end */
         r->wits = open(ask->wits, O_WRONLY | O_CREAT | O_APPEND | O_NOCTTY | O_NONBLOCK | O_CLOEXEC, 0666);
         if (r->wits < 0 || (isatty(r->wits) && !port_settle(r->wits, WITS_BAUD))) {
             die(EXIT_FAILED, "--wits %s: cannot write here: %s", ask->wits, strerror(errno));
@@ -259,7 +261,7 @@ int bench_realtime(const bench_request *ask, board *b)
     if (ask->opts.run.drive.inertia > 0) {
         die(EXIT_USAGE, "--drive soft: not in --mode realtime, where the top is commanded; use lockstep, or command the board from a controller");
     }
-    if (is_counted(ask) && (ask->profile || ask->wits)) {
+    if (is_counted(ask, b) && (ask->profile || ask->wits)) {
         die(EXIT_USAGE, "%s: not with --icount, where the board's seconds are not this machine's; leave --icount out, or use lockstep",
             ask->profile ? "--profile" : "--wits");
     }

@@ -281,7 +281,8 @@ static void print_probability(const cell *c)
         printf("P(stick-slip) = %.4f   95 %% interval %.4f .. %.4f   (%u of %u", p, c->lo, c->hi, c->tally.stuck,
                c->tally.samples - kelly_refused(&c->tally));
         if (kelly_refused(&c->tally) > 0) {
-            printf(", %u refused", kelly_refused(&c->tally));
+            printf(", %u refused: step %u, range %u, nonfinite %u", kelly_refused(&c->tally), c->tally.status[KELLY_STEP], c->tally.status[KELLY_RANGE],
+                   c->tally.status[KELLY_NONFINITE]);
         }
         putchar(')');
     }

@@ -190,7 +190,7 @@ static void check_mode(int mode, int argc, char **argv)
     } only[] = {
         { "--samples", 1 }, { "--first", 1 }, { "--csv", 1 }, { "--resume", 1 }, { "--json", 7 }, { "--sample", 6 }, { "--out", 6 }, { "--profile", 6 },
         { "--frame-ticks", 2 }, { "--stream-hz", 4 }, { "--command-timeout", 4 }, { "--policy", 4 }, { "--ramp", 4 }, { "--overload", 4 },
-        { "--wits", 4 },
+        { "--wits", 4 }, { "--seed", 7 }, { "--cov", 7 },
     };
     static const char *const modes[] = { "campaign", "lockstep", "realtime", "wits" };
 
@@ -261,7 +261,7 @@ int command_bench(int argc, char **argv)
         check_input(ask.profile, outputs, 4);
     }
     if (ask.mode == BENCH_LOCKSTEP || ask.mode == BENCH_REALTIME) {
-        check_nominal(&ask.opts, argc, argv);
+        check_nominal(&ask.opts);
     }
     ask.duration_given = has_option(argc, argv, "--duration");
     if (ask.ports == 0) {
@@ -278,6 +278,9 @@ int command_bench(int argc, char **argv)
         const char *const image = ask.port[i].image ? ask.port[i].image : ask.image;
 
         board_parse(&boards[i], ask.port[i].text, image, ask.port[i].icount ? ask.port[i].icount : ask.icount);
+        if (ask.port[i].icount && !boards[i].port.command[0]) {
+            die(EXIT_USAGE, "--icount %s: --port %s is no emulator; give it behind a qemu:NAME", ask.port[i].icount, ask.port[i].text);
+        }
     }
     if (!ask.opts.quiet) {
         tell_emulators(boards, ask.ports);

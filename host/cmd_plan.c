@@ -109,12 +109,13 @@ static double leader_time(plan *p, outcome *out, const kelly_result *results, ui
     return (busy() - start) / count;
 }
 
-static void measure(plan *p)
+/* Also who of what was measured can be trusted: EXIT_DONE, or EXIT_FAILED and said where nobody can. */
+static int measure(plan *p)
 {
     const double start = busy();
     kelly_result *const results = calloc(p->lanes, sizeof(*results));
     void *work = 0;
-    static outcome out;
+    static outcome out, all;
     options opts = p->opts;
     double least = HUGE_VAL;
 
@@ -126,6 +127,9 @@ static void measure(plan *p)
 
         p->engine->run(&kelly_string, &p->opts.run, p->opts.seed, p->blocks * p->lanes, p->lanes, results, work);
         p->block[p->blocks++] = busy() - before;
+        for (uint32_t i = 0; i < p->lanes; i++) {
+            kelly_tally_add(&all.tally, i, &results[i]);
+        }
     }
     p->rate = p->blocks * p->lanes / (busy() - start);
     opts.csv = p->lines ? "/dev/null" : 0;
@@ -134,12 +138,11 @@ static void measure(plan *p)
     for (unsigned k = 0; k < 20; k++) {
         least = fmin(least, leader_time(p, &out, results, p->lanes));
     }
-    if (outcome_answered(&out) != EXIT_DONE) {
-        exit(EXIT_FAILED);
-    }
     p->leader = least;
     free(work);
     free(results);
+    all.opts = &opts;
+    return outcome_answered(&all);
 }
 
 /* ---- measured between ranks -------------------------------------------------------------------------------------- */
@@ -354,7 +357,12 @@ int command_plan(int argc, char **argv)
     p.startup = p.startup < 0 ? 1.0 : p.startup;
     p.message = p.message < 0 ? 20e-6 : p.message;
     p.way = p.way < 0 ? 100e-6 : p.way;
-    measure(&p);
+    if (measure(&p) != EXIT_DONE) {
+        if (p.opts.json) {
+            outfile_drop(&json);
+        }
+        return EXIT_FAILED;
+    }
     for (uint32_t cores = 1; cores < p.cores; cores *= 10) {
         rows[count++] = plan_row(&p, cores);
     }

@@ -6,6 +6,7 @@
 #include "outcome.h"
 #include "team.h"
 
+#define ROWS_LEAST (2 * KELLY_SOBOL_GROUPS)   /* that give an index: 64 */
 #define SS_MOST 10.0             /* what ss is where max + min <= 0; nothing counts for more */
 
 static const char *const names[KELLY_PARAMETERS] = { "fc", "mu", "a1", "a2", "rpm" };
@@ -181,7 +182,7 @@ static void print_measure(const findings *out, unsigned m)
             printf("  %-5s first %6.3f   %6.3f .. %6.3f     total %6.3f   %6.3f .. %6.3f\n", names[out->which[i]], (double)f.value, (double)f.lo,
                    (double)f.hi, (double)t.value, (double)t.lo, (double)t.hi);
         } else {
-            printf("  %-5s no index: %s\n", names[out->which[i]], variance > 0 ? "it varies too seldom, or --samples is below 64" : "it does not vary");
+            printf("  %-5s no index: %s\n", names[out->which[i]], s->rows < ROWS_LEAST ? "under 64 rows count" : variance > 0 ? "it varies too seldom" : "it does not vary");
         }
     }
 }
@@ -198,6 +199,7 @@ static void print_outcome(const findings *out)
     print_measure(out, OF_SS);
     printf("%u rows, %u left out, %u realisations, seed %llu, digest %08x, %s, %s, %.2f s\n", out->rows, out->left_out, out->tally.samples,
            (unsigned long long)out->opts->seed, out->tally.digest, sizeof(real) > 4 ? "double" : "float", out->engine->name, out->seconds);
+    outcome_warn(run, &out->tally);
     for (uint32_t i = 0; i < listed(out); i++) {
         printf("%s%u (%s)", i ? ", " : "left out: ", out->refused[i], status_names[out->why[i]]);
     }
@@ -284,8 +286,9 @@ int command_sensitivity(int argc, char **argv)
     if (!opts.quiet && !(opts.json && strcmp(opts.json, "-") == 0)) {
         print_outcome(&out);
     }
-    if (out.left_out == out.rows) {
-        die(EXIT_FAILED, "sensitivity: no answer: each of %u rows holds a realisation that cannot be trusted: %s", out.rows, advice_on(&opts.run, &out.tally, text));
+    if (out.left_out == out.rows || (out.rows >= ROWS_LEAST && out.rows - out.left_out < ROWS_LEAST)) {
+        die(EXIT_FAILED, "sensitivity: no answer: %u of %u rows hold a realisation that cannot be trusted: %s", out.left_out, out.rows,
+            advice_on(&opts.run, &out.tally, text));
     }
     return EXIT_DONE;
 }

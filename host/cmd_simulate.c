@@ -104,7 +104,7 @@ static void summary(FILE *to, const options *opts, const window_speeds *w)
     if (w->mean > KELLY_NO_SPEED) {
         fprintf(to, "mean %.2f rpm, SSI = %.4f (field: (max - min)/(2 mean))\n", (double)w->mean / RPM, (double)ssi);
     } else {
-        fprintf(to, "mean %.2f rpm: the bit does not turn, and has no SSI (field: (max - min)/(2 mean))\n", (double)w->mean / RPM);
+        fprintf(to, "mean %.2f rpm, not above 0: no SSI (field: (max - min)/(2 mean))\n", (double)w->mean / RPM);
     }
 }
 
@@ -131,7 +131,7 @@ int command_simulate(int argc, char **argv)
 
     options_parse(&opts, argc, argv, TAKES_CASE | TAKES_SIMULATE, "simulate", 0, 0);
     check_outputs((const char *const[]){ opts.out, opts.field }, 2);
-    check_nominal(&opts, argc, argv);
+    check_nominal(&opts);
     if (opts.sample_given) {
         kelly_draw_sample(&opts.run, opts.seed, opts.sample, &draw);
     } else {

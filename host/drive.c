@@ -13,6 +13,9 @@ static double value_of(const char *text, const char *part, double lo, double hi,
 {
     char option[96];
 
+    if (*part == '\0') {
+        die(EXIT_USAGE, "--drive %s: %c= has no number; give %s", text, part[-2], right);
+    }
     snprintf(option, sizeof(option), "--drive %.60s:", text);
     return option_number(option, part, lo, hi, right);
 }

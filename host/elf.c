@@ -83,7 +83,7 @@ static uint8_t *read_whole(const char *path, size_t *size)
     return bytes;
 }
 
-unsigned elf_machine(const char *path)
+unsigned elf_machine(const char *path, int *wide_file)
 {
     elf_file f = { .path = path };
     uint8_t *const bytes = read_whole(path, &f.size);
@@ -91,6 +91,7 @@ unsigned elf_machine(const char *path)
 
     f.bytes = bytes;
     machine = (unsigned)number(&f, 18, 2);
+    *wide_file = bytes[4] == 2;
     free(bytes);
     return machine;
 }

@@ -122,6 +122,7 @@ void emulator_command(port *p, const char *image, const char *icount)
     static const char *const semihosting[] = { "-semihosting-config", "enable=on,target=native", 0 };
     char family[64], *rest = p->machine;
     unsigned n = 0;
+    int wide_file;
 
     if (!setting(p->where, "QEMU", p->machine, sizeof(p->machine))) {
         die(EXIT_USAGE, "--port qemu:%s: linker/%s.mk names no emulator; this board is only real", p->where, p->where);
@@ -129,7 +130,7 @@ void emulator_command(port *p, const char *image, const char *icount)
     (void)setting(p->where, "FAMILY", family, sizeof(family));
     if (image) {
         snprintf(p->image, sizeof(p->image), "%s", image);
-        if (elf_machine(image) != (strcmp(family, "riscv") == 0 ? EM_RISCV : EM_ARM)) {
+        if (elf_machine(image, &wide_file) != (strcmp(family, "riscv") == 0 ? EM_RISCV : EM_ARM) || wide_file != (strstr(p->machine, "riscv64") != 0)) {
             die(EXIT_USAGE, "--image %s: for another processor than qemu:%s has; give the .elf that make TARGET=%s wrote", image, p->where, p->where);
         }
     } else {

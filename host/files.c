@@ -2,6 +2,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <poll.h>
 #include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -29,18 +30,16 @@ static void remove_temporaries(void)
     }
 }
 
-void journals_open(int by)
-{
-    journals += by;
-}
-
 static void interrupted(int signal_number)
 {
     static const char told[] = "kelly: interrupted; with --resume the run goes on from its journal\n";
 
+    struct pollfd to = { .fd = STDERR_FILENO, .events = POLLOUT };
+
     remove_temporaries();
-    if (journals > 0 && write(STDERR_FILENO, told, sizeof(told) - 1) < 0) {
-        journals = 0;            /* nobody listens */
+    (void)signal(SIGPIPE, SIG_IGN);
+    if (journals > 0 && poll(&to, 1, 0) == 1 && to.revents == POLLOUT && write(STDERR_FILENO, told, sizeof(told) - 1) < 0) {
+        journals = 0;            /* a full pipe, or one without a reader, holds nobody up */
     }
     (void)signal(signal_number, SIG_DFL);
     (void)raise(signal_number);
@@ -55,6 +54,12 @@ static void catch_signals(void)
             (void)signal(caught[i], SIG_IGN);
         }
     }
+}
+
+void journals_open(int by)
+{
+    journals += by;
+    catch_signals();
 }
 
 static void forget(const outfile *file)

@@ -30,6 +30,7 @@ typedef struct {
     uint32_t sample;
     int convergence;
     const char *json, *csv, *out; /* paths, "-" for stdout, or 0 */
+    const char *random_given;     /* --cov or --seed, whichever was given last, or 0 */
     const char *engine;           /* vector unit by name, or 0 for the widest */
     const char *field;            /* simulate: displacement and twist along the string, F.npy or F.csv, or 0 */
     int resume;                   /* go on from the journal */
@@ -54,7 +55,7 @@ void options_parse(options *out, int argc, char **argv, unsigned takes, const ch
 int has_option(int argc, char **argv, const char *name);
 
 /* Dies with exit 2 where --seed or --cov is given without --sample, for who takes a single run. */
-void check_nominal(const options *opts, int argc, char **argv);
+void check_nominal(const options *opts);
 
 /* Dies with exit 2 where first + samples runs over; for who takes both, once it knows how many there are. */
 void check_indices(const options *opts);
@@ -143,11 +144,11 @@ void progress_end(const options *opts, uint64_t total, double seconds);
 
 /* ---- files --------------------------------------------------------------------------------------------------- */
 
-/* A file that appears whole or not at all: written as PATH.part and renamed when it is closed. What a killed run leaves of it, the next
- * one takes over. */
 /* A journal is open (1) or gone (-1): an interrupt tells of --resume where there is one. */
 void journals_open(int by);
 
+/* A file that appears whole or not at all: written as PATH.part and renamed when it is closed. What a killed run leaves of it, the next
+ * one takes over. */
 typedef struct {
     FILE *stream;
     const char *name;             /* as it was asked for */

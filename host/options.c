@@ -110,6 +110,7 @@ void option_covs(float cov[KELLY_PARAMETERS], const char *text)
     static const char right[] = "0..0.5, one number or fc=..,mu=..,a1=..,a2=..,rpm=..";
     char copy[256], *rest = copy;
     unsigned seen = 0;
+    char label[32];
 
     if (!strchr(text, '=')) {
         const float all = (float)option_number("--cov", text, 0.0, 0.5, right);
@@ -139,7 +140,8 @@ void option_covs(float cov[KELLY_PARAMETERS], const char *text)
         if (equals[1] == '\0') {
             die(EXIT_USAGE, "--cov %s: %s has no number; give %s", text, law_names[k], right);
         }
-        cov[k] = (float)option_number("--cov", equals + 1, 0.0, 0.5, right);
+        snprintf(label, sizeof(label), "--cov %s:", law_names[k]);
+        cov[k] = (float)option_number(label, equals + 1, 0.0, 0.5, right);
     }
 }
 
@@ -273,8 +275,10 @@ static int parse_random(options *out, const char *name, const char *value, unsig
     if (strcmp(name, "--cov") == 0) {
         memset(out->run.cov, 0, sizeof(out->run.cov));   /* what is not named is not random */
         option_covs(out->run.cov, value);
+        out->random_given = "--cov";
     } else if (strcmp(name, "--seed") == 0) {
         out->seed = option_whole(name, value, 0, UINT64_MAX, "a whole number 0..18446744073709551615");
+        out->random_given = "--seed";
     } else if (takes & (TAKES_SIMULATE | TAKES_BENCH) && strcmp(name, "--sample") == 0) {
         out->sample = (uint32_t)option_whole(name, value, 0, UINT32_MAX, "the index of a realisation, 0..4294967295");
         out->sample_given = 1;
@@ -384,11 +388,10 @@ static int parse_one(options *out, times *when, int argc, char **argv, unsigned 
     return equals ? 1 : 2;
 }
 
-void check_nominal(const options *opts, int argc, char **argv)
+void check_nominal(const options *opts)
 {
-    if (!opts->sample_given && (has_option(argc, argv, "--seed") || has_option(argc, argv, "--cov"))) {
-        die(EXIT_USAGE, "%s: the nominal case is not random; give --sample J too, the realisation that is meant",
-            has_option(argc, argv, "--seed") ? "--seed" : "--cov");
+    if (opts->random_given && !opts->sample_given) {
+        die(EXIT_USAGE, "%s: the nominal case is not random; give --sample J too, the realisation that is meant", opts->random_given);
     }
 }
 

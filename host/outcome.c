@@ -206,12 +206,10 @@ static const char *step_advice(const kelly_case *run, const kelly_tally *t, char
     return text;
 }
 
-/* What a reader of the one number must know. */
-static void warn(const outcome *out)
+void outcome_warn(const kelly_case *run, const kelly_tally *t)
 {
-    const kelly_tally *const t = &out->tally;
     char text[ADVICE_TEXT];
-    const char *const advice = step_advice(&out->opts->run, t, text);
+    const char *const advice = step_advice(run, t, text);
 
     if (t->liftoff > t->samples / 100) {
         printf("warning: in %u of %u the weight would change its sign (|fc| < 1.01 f0): the bit would lift off, which this model leaves out\n",
@@ -220,7 +218,7 @@ static void warn(const outcome *out)
     if (*advice) {
         printf("warning: %s\n", advice);
     }
-    if (t->status[KELLY_RANGE] > t->samples / 100) {
+    if (t->status[KELLY_RANGE] > t->samples / 100 && t->samples > kelly_refused(t)) {
         printf("warning: in %u of %u the weight lies outside %.6g..%.6g kN, for which the table is fitted: they are not in P\n", t->status[KELLY_RANGE],
                t->samples, (double)kelly_string.fc_min / 1000.0, (double)kelly_string.fc_max / 1000.0);
     }
@@ -237,8 +235,9 @@ const char *advice_on(const kelly_case *run, const kelly_tally *t, char text[ADV
     if (t->status[KELLY_RANGE] == 0) {
         return "give a shorter --step, or another case";
     }
-    snprintf(text, ADVICE_TEXT, "the table is fitted for weights of %.6g..%.6g kN; give such a --wob", (double)kelly_string.fc_min / 1000.0,
-             (double)kelly_string.fc_max / 1000.0);
+    snprintf(text, ADVICE_TEXT, "the table is fitted for weights of %.6g..%.6g kN; give %s", (double)kelly_string.fc_min / 1000.0,
+             (double)kelly_string.fc_max / 1000.0, run->fc >= kelly_string.fc_min && run->fc <= kelly_string.fc_max ?
+             "a --wob, or a --cov fc=, whose draws lie there" : "such a --wob");
     return text;
 }
 
@@ -289,7 +288,7 @@ static void print_outcome(const outcome *out, double lo, double hi)
         printf("corrupt %u: a number in memory changed while they ran; look at the memory of the machine, and run them again\n", t->status[KELLY_CORRUPT]);
     }
     until_print(&out->until, t->samples);
-    warn(out);
+    outcome_warn(&out->opts->run, t);
     outcome_print_refused(out, "all with --csv");
     for (unsigned i = 0; i < out->convergence.count; i++) {
         printf("conv(%u) = %.6g m2 s\n", out->convergence.n[i], out->convergence.value[i]);

@@ -54,6 +54,9 @@ void outcome_print_refused(const outcome *out, const char *where);
 /* Whether a summary is wanted on stdout: no --quiet, and stdout is not one of the files. */
 int outcome_speaks(const options *opts);
 
+/* What a reader of the one number must know: lift-off, and many refused for their step or their weight. */
+void outcome_warn(const kelly_case *run, const kelly_tally *t);
+
 /* A probability of nothing is no answer: says so on stderr, and what would help; the exit status. */
 int outcome_answered(const outcome *out);
 

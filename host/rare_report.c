@@ -230,5 +230,8 @@ void rare_print(const search *s, double *list)
     }
     printf("%srefused %u, seed %llu, digest %08x, %s, %s, %.2f s\n", s->rare.level > 0 ? "; " : "", kelly_refused(&s->out.tally),
            (unsigned long long)s->opts->seed, s->out.tally.digest, sizeof(real) > 4 ? "double" : "float", s->engine->name, s->seconds);
+    if (done(s)) {
+        outcome_warn(&s->opts->run, &s->out.tally);
+    }
     outcome_print_refused(&s->out, "the first hundred with --json");
 }

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "../firmware/link/crc32c.h"
@@ -91,8 +92,13 @@ static void take_key(void *context, const char *path, const char *value)
 
 void stored_need(const char *path)
 {
+    struct stat there;
+
     if (access(path, F_OK) != 0) {
         die(EXIT_USAGE, "%s: there is no such file; give what montecarlo --csv F.csv --json F.json wrote", path);
+    }
+    if (stat(path, &there) == 0 && S_ISDIR(there.st_mode)) {
+        die(EXIT_USAGE, "%s: a directory; give what montecarlo --csv F.csv --json F.json wrote", path);
     }
 }
 

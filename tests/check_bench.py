@@ -274,6 +274,9 @@ def takes_commands():
     yield all(101 < speed < 139 for speed in between), f"half way: {between}"
     frames = wits.frames(bytes_of(display))
     yield len(frames) == report["wits_frames"] >= 4, f"{len(frames)} WITS frames"
+    for more in (f"--profile {profile}", f"--wits {display}"):
+        run = Run(f"--mode realtime --duration 3 --port qemu:rv32 --icount shift=5,sleep=off {more}", files=False)
+        yield run.one_line(2, f"{more.split()[0]}: not with --icount"), f"{more} on the emulator's own time: {run.said}"
     run = Run("--mode realtime --duration 3 --port qemu:rv32 --wits /dev/full", files=False)
     yield run.one_line(1, "--wits /dev/full: ", "frames could not be written: No space left"), f"a display that takes nothing: {run.said}"
     yield frames[-1]["0120"] == 140 and abs(frames[-1]["0116"] - 8) < 1.5, f"WITS: {frames[-1]}"
@@ -361,7 +364,7 @@ USAGE = ["", "--port nowhere", "--port qemu:nope", "--port qemu:../rv32", "--por
          *(f"--port qemu:rv32 --icount {text}" for text in ("11", "shift=11", "shift=-1", "shift=1e1", "shift=08", "shift=", "nope", "sleep=off", "shift=5,sleep=maybe",
                                                              "shift=5,", "shift=5,align=on,sleep=off", "shift=5" + 9 * ",sleep=on")),
          "--port qemu:rv32 --mode realtime --icount shift=5 --wits x",
-         "--port qemu:rv32 --mode realtime --icount shift=5 --profile Makefile", "--port qemu:rv32 --give-up 0", "--port qemu:rv32 --first 4294967295 --samples 1", "--port qemu:rv32 --mode lockstep --mu 1"]
+         "--port qemu:rv32 --give-up 0", "--port qemu:rv32 --first 4294967295 --samples 1", "--port qemu:rv32 --mode lockstep --mu 1"]
 
 
 def elf(wide, segments, body=bytes(range(32)), **other):

@@ -389,7 +389,10 @@ def check_told():
                        ("montecarlo --mu 1001", "give a bit-rock factor in m, 1e-9..1000"), ("montecarlo --wob 1.1e6", "give weight on bit in kN, 0.001..1000000"),
                        ("montecarlo --f0 1.1e6", "in kN, 0..1000000"), ("whatif --from x --alpha1 1.1e6", "alpha_1 in s/rad, 1e-9..1000000"),
                        ("montecarlo --duration 1e12", "give seconds, 1e-6..1e9"), ("montecarlo --drive soft:Z=1e30", "0.001..1e9, e.g. Z=289"),
-                       ("montecarlo --cov rpm=", "--cov rpm=: rpm has no number"), ("montecarlo --window 50:50", "--window 50:50: is empty"),
+                       ("montecarlo --cov rpm=", "--cov rpm=: rpm has no number"), ("montecarlo --cov rpm=x", "--cov rpm: x: not a finite"),
+                       ("montecarlo --cov mu=0.1,fc=0.6", "--cov fc: 0.6: out of range"), ("simulate --drive soft:Z=", "soft:Z=: Z= has no number"),
+                       ("bench --port tcp:localhost:1 --icount shift=5", "--port tcp:localhost:1 is no emulator"), ("bench --port qemu:rv32 --mode wits --seed 9", "not in --mode wits"),
+                       ("montecarlo --window 50:50", "--window 50:50: is empty"),
                        ("rare --resume", "give --json\n"), ("advise --resume", "give --json\n"), ("montecarlo --resume", "give --csv, --json, --envelope or"),
                        ("simulate --seed 9", "--seed: the nominal case is not random; give --sample J"), ("simulate --cov 0.3", "--cov: the nominal case"),
                        ("bench --port qemu:rv32 --mode lockstep --seed 9", "--seed: the nominal case"), ("montecarlo --quantiles exact", "give --envelope F.npy too"),
@@ -402,12 +405,18 @@ def check_told():
         result = kelly("float", args)
         refused(result, 1, args)
         claim(said in result.stderr, f"{args}: {result.stderr!r}")
+    for engine in engines()[0]:          # most of it can be trusted, though not the first that is measured
+        claim(kelly("float", f"plan --engine {engine} --wob 950 --mu 0.001 --measure 0.05 --cores 1").returncode == 0, f"plan at 950 kN, {engine}")
+    with tempfile.TemporaryDirectory() as where:
+        claim(kelly("float", f"plan --wob 100000 --measure 0.05 --cores 1 --json {where}/p.json").returncode == 1 and os.listdir(where) == [], f"plan left {os.listdir(where)}")
+    few = kelly("float", "sensitivity --mu 0.001 --wob 900 --duration 1 --samples 64")
+    claim(few.returncode == 1 and "27 of 64 rows hold" in few.stderr and "a --wob, or a --cov fc=, whose draws lie there" in few.stderr, f"sensitivity of 37 rows: {few.stderr!r}")
     for args, warned in (("--wob 900 --mu 0.001 --samples 40 --duration 2", True), ("--mu 0.004 --samples 40 --duration 2", False)):
         found = re.search(r"warning: in (\d+) of 40 the weight lies outside 1..1000 kN", done("float", f"montecarlo {args}"))
         r = report("float", args)
         claim(bool(found) == warned and (not found or int(found[1]) == r["refused_by"]["range"] > 0), f"{args}: {found}, {r['refused_by']}")
     stopped = done("float", "simulate --rpm 60 --mu 0.04 --duration 1 --window 0:0.4 --out /dev/null")
-    claim("the bit does not turn, and has no SSI" in stopped and "SSI =" not in stopped, f"a bit that does not turn: {stopped!r}")
+    claim("rpm, not above 0: no SSI" in stopped and "SSI =" not in stopped, f"a bit that does not turn: {stopped!r}")
 
 
 def check_whole():

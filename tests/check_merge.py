@@ -149,11 +149,17 @@ def check_misfits(folder):
     shutil.copy(os.path.join(folder, "b.csv"), os.path.join(folder, "stale.csv"))
     for both in ("a.csv stale.csv", "stale.csv a.csv"):
         refused(f"merge {both}", folder, "stale.csv", "not the file that stale.json is of")
+    for csv, report, parts in (("b", "a", "a.csv stale.csv"), ("b", "a", "stale.csv a.csv"), ("c", "a", "b.csv stale.csv"), ("a", "c", "stale.csv b.csv")):   # of another range
+        shutil.copy(os.path.join(folder, f"{report}.json"), os.path.join(folder, "stale.json"))
+        shutil.copy(os.path.join(folder, f"{csv}.csv"), os.path.join(folder, "stale.csv"))
+        refused(f"merge {parts}", folder, "stale.csv", "not the file that stale.json is of")
     for ends in ("--mu 1e-9 --rpm 10000 --alpha1 1e-9", "--alpha2 1e-9 --rpm 0.001 --limit 10"):        # which a float rounds
         part(folder, "ends", 0, 5, ends)
         done("merge ends.csv --quiet", folder)
     part(folder, "foreign", 50, 5, real="double")
     refused("merge a.csv foreign.csv", folder, "double", "float")
+    shutil.copy(os.path.join(folder, "foreign.json"), os.path.join(folder, "stale.json"))      # of another precision, alone
+    refused("merge stale.csv", folder, "stale.csv", "not the file that stale.json is of")
     part(folder, "base", 0, 50, real="double")
     part(folder, "foreign", 50, 5, "--mu 0.0200000000001", real="double")
     refused("merge base.csv foreign.csv", folder, "foreign.csv", "of another run", real="double")
@@ -211,7 +217,7 @@ def check_misfits(folder):
     os.rename(os.path.join(folder, "c.csv"), os.path.join(folder, "gone.csv"))
     refused("merge c.csv", folder, "c.csv: there is no such file")
     os.mkdir(os.path.join(folder, "c.csv"))
-    refused("merge c.csv", folder, "c.csv: cannot be read", status=1)
+    refused("merge c.csv", folder, "c.csv: a directory")
     for args in ("merge", "merge --json x.json", "merge a.txt", "merge .csv", "merge a.csv --csv", "merge a.json --csv x.csv", "merge a.csv --seed 1",
                  "merge a.csv --csv x --json x", "merge a.csv --threads 2"):
         refused(args, folder)

@@ -421,8 +421,41 @@ def check_signals(folder):
             told = process.communicate()[1].decode()
         claim(process.returncode == -number and place.files() == ["run.csv.journal"], f"{number!r}: exit {process.returncode}, left {place.files()}")
         claim(told == "kelly: interrupted; with --resume the run goes on from its journal\n", f"{number!r}: {told!r}")
+    for what in ("no reader of its messages", "a full pipe for them"):     # neither holds it up
+        place.empty()
+        reader, writer = os.pipe()
+        if what.startswith("no"):
+            os.close(reader)
+        else:
+            os.set_blocking(writer, False)
+            while True:
+                try:
+                    os.write(writer, bytes(4096))
+                except BlockingIOError:
+                    break
+            os.set_blocking(writer, True)
+        with subprocess.Popen([PROGRAM["float"]] + shlex.split(place.args(f"montecarlo {CASE} --samples 400000 --progress none")), cwd=folder, preexec_fn=heed, stderr=writer) as process:
+            while not (os.path.exists(place.journal) and os.path.getsize(place.journal) > HEADER):
+                time.sleep(0.01)
+            process.send_signal(signal.SIGTERM)
+            try:
+                process.wait(20)
+            except subprocess.TimeoutExpired:
+                process.kill()
+        os.close(writer)
+        if not what.startswith("no"):
+            os.close(reader)
+        claim(process.returncode == -signal.SIGTERM and place.files() == ["run.csv.journal"], f"{what}: exit {process.returncode}, left {place.files()}")
     place.empty()
     resumed(place, PIECES, want, "afterwards", whole=True)
+    journal = os.path.join(folder, "map.json.journal")
+    with subprocess.Popen([PROGRAM["float"]] + shlex.split("map --mu 0.004 --rpm 40:140:5 --wob 25:225:10 --json map.json"), cwd=folder, preexec_fn=heed, stderr=subprocess.PIPE) as process:
+        while not (os.path.exists(journal) and os.path.getsize(journal) > HEADER):
+            time.sleep(0.01)
+        process.send_signal(signal.SIGINT)
+        told = process.communicate()[1].decode()
+    claim(process.returncode == -signal.SIGINT and told.startswith("kelly: interrupted; with --resume"), f"a map: exit {process.returncode}, {told!r}")
+    os.remove(journal)
 
 
 def check_double(folder):

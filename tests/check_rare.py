@@ -155,6 +155,7 @@ def check_refusals():
     for args, reason in ((f"--mu 0.004 --rpm 240 --cov 0.05 {short}", "1e-9"),
                          (f"--mu 0.004 --rpm 200 --limit 10 {short}", "no failure"),
                          ("--mu 0.002 --rpm 165 --cov rpm=0.04 --limit 0.155 --step 0.002", "has anyway"),   # P is 1.7e-5, the search sees a third
+                         (f"--wob 850 --mu 0.0002 --rpm 240 --cov 0.1 --limit 3 {short}", "a --wob, or a --cov fc=, whose draws lie there"),
                          (f"--wob 20000 --cov 0.1 {short}", "fitted for weights of 1..1000 kN; give such a --wob"),
                          (f"--mu 0.04 --rpm 700 --step 0.002 --cov 0.2 {short}", "may be failures: the step is too long for ")):
         out, status = rare(args)
