@@ -55,7 +55,7 @@ def main():
     jobs = [(t, r) for t in targets() for r in ("float", "double")]
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         rows = list(pool.map(lambda job: measure(*job), jobs))
-    lines = ["| board | real | kernel and table, flash | whole image | static RAM | stack: seen, worst case | instructions a step |", "|---|---|---|---|---|---|---|"]
+    lines = ["| board | real | kernel and table, flash | whole image | static RAM | stack: seen in one run, worst case | instructions a step |", "|---|---|---|---|---|---|---|"]
     bad = 0
     for (target, real), row in zip(jobs, rows):
         bad += not 0 < row["used"] <= row["worst"]
