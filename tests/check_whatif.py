@@ -151,8 +151,8 @@ def check_laws_must_be_known(folder, path):
     for args, name in ((f"{alone} --case-json {folder}/nothing.json", "nothing.json"), (f"{folder}/nothing.csv --case-json {path[:-4]}.json", "nothing.csv"),
                        (f"{folder}/nothing.csv", "nothing.csv")):
         refused(f"whatif --from {args}", f"{folder}/{name}: there is no such file")
-    refused(f"whatif --from {folder} --case-json {path[:-4]}.json", "cannot be read", 1)
-    refused(f"whatif --from {alone} --case-json {folder}", "cannot be read", 1)
+    refused(f"whatif --from {folder} --case-json {path[:-4]}.json", f"{folder}: a directory")
+    refused(f"whatif --from {alone} --case-json {folder}", f"{folder}: a directory")
     fixed = stored(folder, "fixed", "--mu 0.004 --duration 2 --window 1:2 --samples 200 --cov mu=0.2")
     refused(f"whatif --from {fixed} --rpm 110", "was not random")
     refused(f"whatif --from {fixed} --cov 0.2", "was not random")
