@@ -113,7 +113,7 @@ WP = {
               "descend,settle,kelly_rare_failed,kelly_rare_count,kelly_rare_start,kelly_rare_lead", INDICES + BY_EVA, INDICES + " -wp-prop span,hinted,share -wp-timeout 20"),
     "next level": (["firmware/rare"], "now,adapt,judge,judge_failures,end_level,next_level,kelly_rare_accept", INDICES + BY_EVA,
                    INDICES + " -wp-prop turn -wp-timeout 20"),
-    "seeds": (["firmware/rare_walk"], "kelly_rare_aim", INDICES + BY_EVA, INDICES + " -wp-timeout 20"),
+    "seeds": (["firmware/rare_walk"], "kelly_rare_aim", INDICES + BY_EVA, INDICES + BY_EVA + " -wp-timeout 20"),
     "look at a mode": (["firmware/rare_look"], "enough_of,reached,kelly_rare_look,kelly_rare_see,share_seen", INDICES + BY_EVA,
                        INDICES + " -wp-prop front,share -wp-timeout 20"),
 }
