@@ -95,7 +95,8 @@ BOARD = "math exp interval statistics text device sequence rare look walk".split
 # what each file needs besides eva.h
 FLAGS = {"step": "-include torque.h", "turns": "-DSLICES_A=1 -include torque.h -DKELLY_VECTORS=4", "driven": "-include torque.h",
          **dict.fromkeys(("unpacking", "round trip"), " -include receiver.h"),
-         **dict.fromkeys(("lemmas", "level", "next level", "look at a mode"), " -include levels.h"), "seeds": " -DEVA_LOG32 -include levels.h"}
+         **dict.fromkeys(("level", "next level", "look at a mode"), " -include levels.h"), "lemmas": " -DQUOTIENTS -include levels.h",
+         "seeds": " -DQUOTIENTS -DEVA_LOG32 -include levels.h"}
 
 # name: (files, functions, options, options where a fault is planted): goals of WP, run-time errors included. Split: a branch of a loop's
 # body, a goal. Where a fault is planted a goal has as long as the sound program's goals do not take.

@@ -7,6 +7,12 @@
 
 #include "rare.h"
 
+#ifdef QUOTIENTS   /* of means; they hinder the other proofs */
+/*@ lemma below: \forall real s, n; 0 < n && s <= 2000000 * n ==> s / n <= 2000000;
+    lemma above: \forall real s, n; 0 < n && -2000000 * n <= s ==> -2000000 <= s / n;
+    lemma share: \forall real s, n; 1 <= n && 0 <= s <= 2000000000000 * n ==> 0 <= s / n <= 2000000000000;
+*/
+#endif
 /*@ predicate sized(kelly_rare *r) = KELLY_RARE_MIN <= r->n <= KELLY_RARE_MAX && r->n % 40 == 0 && 10 * r->chains == r->n && r->chains % 4 == 0 &&
       r->level < KELLY_RARE_LEVELS;
     predicate hinted(kelly_rare *r) = r->leads != 0 ==> \valid_read(r->hint);
@@ -23,9 +29,6 @@
       \at(r->quarter, K) == \at(r->quarter, L) && \at(r->leads, K) == \at(r->leads, L);
     predicate as_fast{K, L}(kelly_rare *r) = \at(r->straight, K) == \at(r->straight, L) &&
       \at(r->straight_accepted, K) == \at(r->straight_accepted, L) && \at(r->step, K) == \at(r->step, L);
-    lemma below: \forall real s, n; 0 < n && s <= 2000000 * n ==> s / n <= 2000000;
-    lemma above: \forall real s, n; 0 < n && -2000000 * n <= s ==> -2000000 <= s / n;
-    lemma share: \forall real s, n; 1 <= n && 0 <= s <= 2000000000000 * n ==> 0 <= s / n <= 2000000000000;
     lemma apart: \forall real a, b; -100 <= a <= 100 && -1000000 <= b <= 1000000 ==> 0 <= (a - b) * (a - b) <= 1000200010000;
     lemma few: \forall real x; 0 <= x <= 1000000 ==> 0 <= x * x <= 1000000 * x;
 */
