@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "bench.h"
+#include "map.h"
 #include "outcome.h"
 
 static const option_help bench_options[] = {

@@ -1,4 +1,5 @@
 /* cmd_montecarlo.c - the probability of stick-slip. */
+#include "map.h"
 #include "outcome.h"
 #include "team.h"
 

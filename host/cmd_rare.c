@@ -4,6 +4,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "map.h"
 #include "rare_search.h"
 #include "team.h"
 

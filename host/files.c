@@ -33,7 +33,6 @@ static void remove_temporaries(void)
 static void interrupted(int signal_number)
 {
     static const char told[] = "kelly: interrupted; with --resume the run goes on from its journal\n";
-
     struct pollfd to = { .fd = STDERR_FILENO, .events = POLLOUT };
 
     remove_temporaries();

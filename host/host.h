@@ -51,9 +51,6 @@ typedef int (*more_options)(void *context, const char *name, const char *value);
  * exit 2 on a mistake. Values start from the nominal case of the table. */
 void options_parse(options *out, int argc, char **argv, unsigned takes, const char *command, more_options more, void *context);
 
-/* Whether argv has this option. */
-int has_option(int argc, char **argv, const char *name);
-
 /* Dies with exit 2 where --seed or --cov is given without --sample, for who takes a single run. */
 void check_nominal(const options *opts);
 

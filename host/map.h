@@ -85,6 +85,9 @@ double f0_at(const options *opts, int f0_given, double wob_kN);
  * exit 2 where a value is missing. For what options_parse cannot hand over: flags, and names that it knows in another form. */
 const char *take_option(int *argc, char **argv, const char *name);
 
+/* Whether argv has this option. */
+int has_option(int argc, char **argv, const char *name);
+
 /* ---- onset and release --------------------------------------------------------------------------------------- */
 
 /* Where the nominal run stops sticking as the speed rises. Searched from above: the highest speed of a scan at which it sticks, then
